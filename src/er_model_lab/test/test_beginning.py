@@ -1,13 +1,14 @@
 """Where the states of a record begin: the measured force says it, and nothing is assumed. Own small equations."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, effect_size, refit
 from er_model_lab.problem.prepare import prepare
 from er_models.files import load_model
-from er_models.prediction import Told, beginnings, motion, predict, substeps
+from er_models.prediction import Told, beginnings, caught, motion, predict, substeps
 from er_records.dataset import Dataset
 from er_records.record import Record
 from lab_help import DT, FORCE_NOISE, GUO, imposed
@@ -198,6 +199,29 @@ def test_a_worn_joint_that_rests_in_its_gap_is_found_there(stop):
     assumed = predict(model, part) - whole
     assert np.abs(assumed).max() > 1.0
     assert np.std(found) < 0.2 * np.std(assumed)
+
+
+def test_what_was_caught_is_found_again_near_where_it_was():
+    """A look for where friction in its play begins takes ten runs of each record; models nearby are spared them."""
+    x, v, a, u = imposed(np.random.default_rng(0), 2400)
+    friction = {"F_h": 30.0, "F_u": 0.0, "z_y": 5e-4, "b": 1.5e-3}
+    model = load_model(GUO).with_effect("friction_with_play", friction)
+    whole = predict(model, motion(DT, x, v, u, a))[700:]
+    part = motion(DT, x[700:], v[700:], u[700:], a[700:])
+    told = Told(whole, np.full(part.n, 1e2), 60)
+    known = caught(model, part, told)
+    assert np.isfinite(known).sum() == 1
+    assert caught(model.without_effect("friction_with_play"), part, told) is None
+    hinted = replace(told, caught=known)
+    assert caught(model, part, hinted) is None
+    assumed, size = predict(model, part), 0.01
+    for near in (model, model.with_effect("friction_with_play", friction | {"z_y": 5.2e-4})):
+        looked = predict(near, part, told)
+        assert np.std(assumed - looked) > 10.0 * size
+        assert np.std(predict(near, part, hinted) - looked) < size
+    # where the hint is wrong it is followed all the same: nothing is looked for
+    wrong = replace(told, caught=np.where(np.isfinite(known), -known, known))
+    assert np.std(predict(model, part, wrong) - predict(model, part, told)) > size
 
 
 @pytest.mark.parametrize("steep", [500.0, 5000.0])

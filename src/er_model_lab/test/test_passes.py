@@ -166,24 +166,35 @@ def test_cards_of_what_a_later_pass_took_come_after_those_of_the_first():
     assert taken_last([first, later], [FIRST, tied]) == (first[0], *later)
 
 
-@pytest.mark.parametrize(("later", "taken"), [(0.9, 2), (1.04, 2), (1.2, 1)])
+@pytest.mark.parametrize(("later", "taken"), [(0.9, True), (1.04, True), (1.2, False)])
 def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, later, taken):
-    """What the data that are learnt from ask for may be wrong elsewhere: the better model is kept, and it is told."""
+    """What the data that are learnt from ask for may be wrong elsewhere: the better model is kept, and it is told.
+
+    It is looked for once more without what was refused, which may hide another effect.
+    """
 
     def study(before, after, effects):
         left = [
-            SimpleNamespace(fit=SimpleNamespace(residual=np.full(8, e))) for e in (before, after)
+            SimpleNamespace(fit=SimpleNamespace(residual=np.full(8, e)), mse=e * e, seen=e * e)
+            for e in (before, after)
         ]
         found = Search(effects, left[1], (), base=left[0])
         return Part(diagnosis=found, problem=problem)
 
     problem = SimpleNamespace(
-        held_out=np.ones(8, bool), force=np.arange(8.0), forward=SimpleNamespace(outputs=1)
-    )
+        train=np.arange(8) < 4, held_out=np.arange(8) >= 4, force=np.arange(8.0),
+        forward=SimpleNamespace(outputs=1),
+    )  # fmt: skip
     studies = iter(
         [study(2.0, 1.0, ("preload",)), study(1.0, later, ("end_stop",)), study(1, 1, ())]
     )
-    monkeypatch.setattr(improve, "investigate", lambda *_: next(studies))
+    barred = []
+
+    def investigate(now, *_):
+        barred.append({*now.rule.barred})
+        return next(studies)
+
+    monkeypatch.setattr(improve, "investigate", investigate)
     monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
     monkeypatch.setattr(improve, "marked", lambda model, _: model)
     monkeypatch.setattr(improve, "begun", lambda model, *_: model)
@@ -191,9 +202,11 @@ def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, l
     level = SimpleNamespace(finished=lambda study, _: study.diagnosis.effects)
     asked = Question(data=None, model=(), level=level, preflight=None)
     made = improve._passes(asked, SimpleNamespace(noted={}, digest=""), "m", None)
-    assert len(made.studies) == taken
-    assert made.model == (("preload",) if taken == 1 else ("end_stop",))
-    assert ("end_stop not added" in " ".join(made.notes)) == (taken == 1)
+    second = ("end_stop",) if taken else ()
+    assert [s.diagnosis.effects for s in made.studies] == [("preload",), second]
+    assert made.model == (second or ("preload",))
+    assert ("end_stop not added" in " ".join(made.notes)) != taken
+    assert barred == [set(), set()] + ([] if taken else [{"end_stop"}])
 
 
 def test_ctrl_c_while_held_out_data_are_asked_keeps_what_was_found(monkeypatch):
@@ -223,7 +236,9 @@ def two_found():
     base = baseline(model, problem)
     one = refit(base, model.catalogue["coulomb_friction"], problem)
     two = refit(one, model.catalogue["preload"], problem)
-    one = replace(one, mse=0.5 * (base.mse + two.mse), seen=0.5 * (base.seen + two.seen))
+    half = 0.5 * (base.mse + two.mse)
+    left = np.sqrt(half / one.mse) * one.fit.residual
+    one = replace(one, mse=half, seen=half, fit=replace(one.fit, residual=left))
     null, floor = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0)), np.sqrt(two.mse)
     rounds = [Round(b, [c], null, 0.01, c, [c.name]) for b, c in ((base, one), (one, two))]
     found = judge(
@@ -251,6 +266,26 @@ def test_what_a_search_found_last_goes_again_where_held_out_data_refuse_it(two_f
         assert seen.verdict == "partial"
         assert "Coulomb" in " ".join(seen.reasons)
         assert "reload" not in " ".join(seen.reasons)
+
+
+@pytest.mark.parametrize(("moved", "kept"), [(1.0, 1), (0.1, 2)])
+def test_what_changes_held_out_data_as_much_and_helps_only_those_it_was_fitted_to_goes_again(
+    two_found, moved, kept
+):
+    found, problem = two_found
+    one, rows = found.rounds[0].taken, problem.held_out
+    left, size = found.best.fit.residual.copy(), np.sqrt(np.mean(one.fit.residual[rows] ** 2))
+    turned = one.fit.residual[rows] + moved * size * np.sign(np.sin(np.arange(rows.sum())))
+    left[rows] = turned * size / np.sqrt(np.mean(turned**2))
+    best = replace(found.best, fit=replace(found.best.fit, residual=left))
+    study, notes = veto.vetoed(
+        Part(diagnosis=replace(found, best=best), problem=problem), RULE, 0.05
+    )
+    assert study.diagnosis.effects == ("coulomb_friction", "preload")[:kept]
+    assert all(
+        note.startswith("preload not added: the error on held-out data would stay")
+        for note in notes
+    )
 
 
 def test_what_is_said_of_held_out_data_beyond_those_learnt_from_is_of_the_last_model():
@@ -300,9 +335,23 @@ def test_no_pass_begins_with_what_held_out_data_refuse(two_tied, one, two, ends)
     tried = [erring(c, problem, r) for c, r in zip(step.candidates, (one, two), strict=True)]
     further = replace(step, candidates=tried, taken=tried[0])
     study = Part(diagnosis=replace(found, further=further), problem=problem)
-    assert veto.refused(study, RULE).startswith("coulomb_friction not added") == ends
-    assert bool(veto.refused(study, RULE)) == ends
-    assert not veto.refused(Part(diagnosis=found, problem=problem), RULE)
+    rule, said = veto.refused(study, RULE, RULE)
+    assert (rule is None) == bool(said) == ends
+    assert all(why.startswith("coulomb_friction not added") for why in said)
+    assert veto.refused(Part(diagnosis=found, problem=problem), RULE, RULE) == (RULE, ())
+
+
+def test_what_held_out_data_refuse_hides_no_effect_that_they_do_not(two_tied):
+    found, problem = two_tied
+    step = found.rounds[0]
+    bad, good = (erring(c, problem, r) for c, r in zip(step.candidates, (50, 1), strict=True))
+    further = replace(step, candidates=[bad, good], taken=bad, ties=[bad.name])
+    study = Part(diagnosis=replace(found, further=further), problem=problem)
+    rule, said = veto.refused(study, RULE, RULE)
+    assert rule.barred == {"coulomb_friction"}
+    assert [why.split()[0] for why in said] == ["coulomb_friction"]
+    # and what is barred already is not told again
+    assert veto.refused(study, rule, RULE) == (rule, ())
 
 
 @dataclass(frozen=True)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from er_models.errors import InputError
 from er_models.kernel.load import kernel, plain
+from er_models.kernel.states import CAUGHT
 from er_models.model import Array, Model
 from er_models.parallel import over_cores
 
@@ -69,12 +71,14 @@ class Told:
     """What tells where the states of each record begin.
 
     force (n,): measured [N]; weight (n,): how much each sample tells [1/N2], zero where it tells nothing; unscored:
-    first samples of a record, which nothing is judged by.
+    first samples of a record, which nothing is judged by; caught (records, n_states): about where states that a contact
+    may catch were found to begin (`caught`); they are looked for everywhere where it is NaN, or None.
     """
 
     force: Array
     weight: Array
     unscored: int
+    caught: Array | None = None
 
 
 def motion(
@@ -140,7 +144,7 @@ def predict(
 
     Source: thesis (1.12) for the core, that of each effect for the rest (`effects()[name].source`).
     """
-    return np.asarray(_predicted(model, model.compiled().p[None], inputs, told, longest)[0][0])
+    return np.asarray(_predicted(model, model.compiled().p[None], inputs, told, longest).forces[0])
 
 
 def predict_many(
@@ -151,7 +155,7 @@ def predict_many(
     vectors (m, n_parameters): of the whole catalogue, as `model.compiled().p` [SI]; `model.catalogue.column` says where
     a parameter stands.
     """
-    return _predicted(model, vectors, inputs, told, longest)[0]
+    return _predicted(model, vectors, inputs, told, longest).forces
 
 
 def beginnings(model: Model, inputs: Motion, told: Told, *, longest: float = SUBSTEP) -> float:
@@ -160,27 +164,55 @@ def beginnings(model: Model, inputs: Motion, told: Told, *, longest: float = SUB
     One of which it tells nothing, or that is forgotten before anything is judged, does not count. longest: as in
     `predict`.
     """
-    return float(_predicted(model, model.compiled().p[None], inputs, told, longest)[1][0])
+    return float(_predicted(model, model.compiled().p[None], inputs, told, longest).spent[0])
+
+
+def caught(model: Model, inputs: Motion, told: Told, *, longest: float = SUBSTEP) -> Array | None:
+    """About where the states begin that a contact may catch anywhere (records, n_states), as shares of their ways.
+
+    NaN for all others; None where the model has none that is not known yet. As `Told.caught` it spares models nearby
+    the look for them, which takes ten runs from the beginning of each record. longest: as in `predict`.
+    """
+    c = model.compiled()
+    states = c.slots[c.at_rest[c.slots] == CAUGHT]
+    if not states.size or (
+        told.caught is not None and np.isfinite(told.caught[:, states]).any(axis=0).all()
+    ):
+        return None
+    return np.asarray(_predicted(model, c.p[None], inputs, told, longest).caught[0])
+
+
+class _Predicted(NamedTuple):
+    """Forces (m, n) [N], the beginnings that were told (m,), and about where what may be caught began.
+
+    The last (m, records, n_states) is NaN for all other states.
+    """
+
+    forces: Array
+    spent: Array
+    caught: Array
 
 
 def _predicted(
     model: Model, vectors: Array, inputs: Motion, told: Told | None, longest: float = SUBSTEP
-) -> tuple[Array, Array]:
-    """Forces (m, n) [N] and the beginnings that were told (m,)."""
-    forces, spent = np.empty((vectors.shape[0], inputs.n)), np.zeros(vectors.shape[0])
+) -> _Predicted:
+    """What a model predicts with each of some vectors (m, n_parameters), over all cores."""
+    m, records = vectors.shape[0], inputs.starts.size - 1
+    none = np.full((m, records, model.catalogue.n_states), np.nan)
+    out = _Predicted(np.empty((m, inputs.n)), np.zeros(m), none)
     n_sub = substeps(inputs.dt, longest)
     rows = _rows(model, vectors, inputs, told, n_sub)
     over_cores(
-        lambda i, j: rows(forces[i:j], spent[i:j], i, j),
-        spent.size,
-        forces.size * n_sub,
+        lambda i, j: rows(_Predicted(*(part[i:j] for part in out)), i, j),
+        m,
+        out.forces.size * n_sub,
     )
-    return forces, spent
+    return out
 
 
 def _rows(
     model: Model, vectors: Array, inputs: Motion, told: Told | None, n_sub: int
-) -> Callable[[Array, Array, int, int], None]:
+) -> Callable[[_Predicted, int, int], None]:
     """What predicts rows i to j of the vectors into arrays of as many; it holds no lock of Python."""
     c, made = model.compiled(), kernel(model.catalogue)
     x, v, a, u, theta = map(plain, (inputs.x, inputs.v, inputs.a, inputs.u, inputs.theta))
@@ -188,10 +220,12 @@ def _rows(
     shared = (c.on, c.slots, c.links, c.at_rest)
     along = (inputs.dt, starts, plain(inputs.course), x, v, a, u, theta, n_sub)
     if told is None or not c.slots.size:
-        return lambda forces, _, i, j: made.predict_rows(*shared, vectors[i:j], *along, forces)
+        return lambda out, i, j: made.predict_rows(*shared, vectors[i:j], *along, out.forces)
     force, weight = plain(told.force), plain(told.weight)
+    unknown = np.full((starts.size - 1, model.catalogue.n_states), np.nan)
+    hints = unknown if told.caught is None else plain(told.caught)
 
-    def rows(forces: Array, spent: Array, i: int, j: int) -> None:
-        made.begun_rows(*shared, vectors[i:j], *along, force, weight, told.unscored, forces, spent)
+    def rows(out: _Predicted, i: int, j: int) -> None:
+        made.begun_rows(*shared, vectors[i:j], *along, force, weight, told.unscored, hints, *out)
 
     return rows

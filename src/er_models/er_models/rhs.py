@@ -6,6 +6,8 @@ compiled equations as the integrator.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from er_models.kernel.load import kernel
@@ -27,16 +29,27 @@ def vehicle_point(
     q = [z_def, v_s, z_us - z_r, v_us] as in (2.11), [m, m/s]; no dead time. The outputs are a_s, a_us [m/s2], F_d, the
     measured force [N] and both reported accelerations [m/s2]. beside: force between the masses beside the damper [N].
     """
-    c = model.compiled(plant=True)
-    rate, drive, out = np.zeros(w.shape[0]), np.zeros(w.shape[0]), np.zeros((1, 6))
-    kernel(model.catalogue).vehicle_point(
-        c.on, c.slots, c.links, c.p, np.asarray(q, float), np.asarray(w, float), float(u), float(t),
-        float(beside), float(road_rate), rate, drive, out,
-    )  # fmt: skip
-    dw = np.zeros(w.shape[0])
-    dw[c.slots] = drive[c.slots] - rate[c.slots] * w[c.slots]
-    dq = np.array([q[1] - q[3], out[0, 0], q[3] - road_rate, out[0, 1]])
-    return dq, dw, out[0]
+    return vehicle_points(model)(q, w, u, road_rate, t, beside)
+
+
+def vehicle_points(model: Model) -> Callable[..., tuple[Array, Array, Array]]:
+    """`vehicle_point` of one model, for many points: the model is laid out once."""
+    c, point = model.compiled(plant=True), kernel(model.catalogue).vehicle_point
+
+    def at(
+        q: Array, w: Array, u: float, road_rate: float, t: float = 0.0, beside: float = 0.0
+    ) -> tuple[Array, Array, Array]:
+        rate, drive, out = np.zeros(w.shape[0]), np.zeros(w.shape[0]), np.zeros((1, 6))
+        point(
+            c.on, c.slots, c.links, c.p, np.asarray(q, float), np.asarray(w, float), float(u), float(t),
+            float(beside), float(road_rate), rate, drive, out,
+        )  # fmt: skip
+        dw = np.zeros(w.shape[0])
+        dw[c.slots] = drive[c.slots] - rate[c.slots] * w[c.slots]
+        dq = np.array([q[1] - q[3], out[0, 0], q[3] - road_rate, out[0, 1]])
+        return dq, dw, out[0]
+
+    return at
 
 
 def damper_rate(

@@ -9,7 +9,7 @@ from er_models.kernel.load import kernel
 from er_models.kernel.states import ROWS, W0, W
 from er_models.model import Array, Model
 from er_models.prediction import Motion
-from er_models.rhs import damper_rate, vehicle_point
+from er_models.rhs import damper_rate, vehicle_point, vehicle_points
 from er_models.sensitivity import Rows, quotients, steps
 from scipy.integrate import solve_ivp
 
@@ -86,19 +86,19 @@ def _has_equation(model: Model, slot: int) -> bool:
 
 def vehicle_run(model: Model, dt: float, road: Array, duty: Array) -> tuple[Array, Array]:
     """Mechanical states (n, 4) and damper force [N] (n,) of the quarter car from rest."""
-    n_states = model.catalogue.n_states
+    n_states, point = model.catalogue.n_states, vehicle_points(model)
     slots = model.compiled(plant=True).slots
     y, n = np.zeros(4 + n_states), road.shape[0]
     states, force = np.empty((n, 4)), np.empty(n)
     for k in range(n):
         slope = (road[k + 1] - road[k]) / dt if k + 1 < n else 0.0
         states[k] = y[:4]
-        force[k] = vehicle_rate(model, y[:4], y[4:], duty[k], slope, k * dt)[2][2]
+        force[k] = point(y[:4], y[4:], duty[k], slope, k * dt)[2][2]
 
         def rate(t: float, z: Array, u: float = duty[k], slope: float = slope) -> Array:
             w = np.zeros(n_states)
             w[slots] = z[4:]
-            dq, dw, _ = vehicle_rate(model, z[:4], w, u, slope, t)
+            dq, dw, _ = point(z[:4], w, u, slope, t)
             return np.concatenate([dq, dw[slots]])
 
         if k + 1 < n:

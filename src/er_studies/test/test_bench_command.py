@@ -43,7 +43,8 @@ def test_hands_its_arguments_over(monkeypatch):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_part_that_is_stopped_ends_what_it_began(number, tmp_path):
     (tmp_path / "part.py").write_text(
-        "import time\ntry:\n    print('began', flush=True)\n    time.sleep(60)\n"
+        # a signal that comes as a sleep begins does not end it
+        "import time\ntry:\n    print('began', flush=True)\n    while True:\n        time.sleep(0.1)\n"
         "finally:\n    print('ended', flush=True)\n"
     )
     code = "from er_studies.programs import hand_over; hand_over('er bench', {'part': 'part'}, '')"

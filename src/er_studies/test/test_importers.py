@@ -203,7 +203,7 @@ def test_a_seal_file_is_split_at_its_pauses(tmp_path: Path) -> None:
     for record in records:
         assert record.complete
         assert record.t[0] > 0.4
-        assert record.channels["duty"][0] == pytest.approx(3.0 / 7.0)
+        assert record.channels["duty"][0] == pytest.approx(3.01 / 8.0)
         np.testing.assert_allclose(record.channels["pressure"], 3.01e5)
         assert float(record.channels["damper_force"].mean()) == pytest.approx(-150.0, abs=8.0)
     for text, part in (("1\t2\n3\t4\n", "columns"), ("a\tb\n", "numbers")):

@@ -11,12 +11,13 @@ from er_model_lab.smallest import SMALLEST
 
 @dataclass(frozen=True)
 class Rule:
-    """Three thresholds; an effect must pass all.
+    """Three thresholds, all of which an effect must pass, and what is asked besides.
 
     false_alarm: rate at which a complete model may be given a missing effect; smallest: size as a share of the
     noise below which no effect is named, however certain: what differs so little may as well be the form of
     another law; helps: share of what is explainable that what is named must explain together; plateaus: whether errors
-    of the motion are asked for only where they act, beside motion that is rounded at its reversals.
+    of the motion are asked for only where they act, beside motion that is rounded at its reversals; barred: effects
+    that are not taken, as held-out data refuse them.
 
     Raises:
         InputError: a rate or a share that is none.
@@ -26,6 +27,7 @@ class Rule:
     smallest: float = SMALLEST
     helps: float = 0.2
     plateaus: bool = False
+    barred: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         if not 0.0 < self.false_alarm < 1.0:

@@ -286,13 +286,14 @@ def decided(
     """
     left = np.sqrt(min(candidates[0].mse, base.mse))
     limit = threshold(null, left, rule)
-    able = [c for c in candidates if there(base, c, problem, limit)]
+    free = [c for c in candidates if c.name not in rule.barred]
+    able = [c for c in free if there(base, c, problem, limit)]
     if rule.plateaus and not able and null.least and not problem.cycles:
         bare = replace(null, least=0.0)
         of_noise = threshold(bare, left, rule)
         able = [
             c
-            for c in candidates
+            for c in free
             if there(base, c, problem, of_noise)
             and beyond_motion(base, c, null, problem) > of_noise
         ]

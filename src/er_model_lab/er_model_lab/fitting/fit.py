@@ -343,9 +343,12 @@ def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array |
 
     Columns that are known already are taken over.
     """
+    here = box.model_at(theta)
+    near = problem.begun(here)
     new = quotients(
-        lambda points: problem.predict_many(box.model, box.vectors(points)), theta,
-        steps(box.parameters, theta), f, 0 if known is None else known.shape[1],
+        lambda points: near.predict_many(box.model, box.vectors(points)), theta,
+        steps(box.parameters, theta), f if near is problem else near.predict(here),
+        0 if known is None else known.shape[1],
     )  # fmt: skip
     return new if known is None else np.hstack([known, new])
 

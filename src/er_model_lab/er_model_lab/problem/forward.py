@@ -10,7 +10,15 @@ from typing import ClassVar, Protocol
 import numpy as np
 from er_models.effect import Effect
 from er_models.model import Array, Model
-from er_models.prediction import SUBSTEP, Motion, beginnings, predict, predict_many, substeps
+from er_models.prediction import (
+    SUBSTEP,
+    Motion,
+    beginnings,
+    caught,
+    predict,
+    predict_many,
+    substeps,
+)
 from er_models.scales import Scales
 from numpy.typing import NDArray
 
@@ -72,6 +80,9 @@ class Forward(Protocol):
         longest: its step of the integrator [s].
         """
 
+    def begun(self, data: Sensed, model: Model) -> Forward:
+        """What predicts rows for less that begin about where those of a model do; itself where nothing does."""
+
     def beginnings(self, data: Sensed, model: Model) -> float:
         """How many numbers the data have told of where the states of a model begin, beside its parameters."""
 
@@ -100,11 +111,13 @@ class Forward(Protocol):
 class DamperForward:
     """The force of the damper, from its measured motion; its states begin where the measured force says.
 
-    longest: step of the integrator [s]; beside: what such steps leave out (n,) [N].
+    longest: step of the integrator [s]; beside: what such steps leave out (n,) [N]; caught: about where states begin
+    that a contact may catch (`Told.caught`).
     """
 
     longest: float = field(default=SUBSTEP, kw_only=True)
     beside: Array | None = field(default=None, kw_only=True, compare=False)
+    caught: Array | None = field(default=None, kw_only=True, compare=False)
 
     outputs: ClassVar = 1
     channels: ClassVar = (Output("damper_force", 1.0),)
@@ -113,8 +126,9 @@ class DamperForward:
 
     def predict_many(self, data: Sensed, model: Model, vectors: Array) -> Array:
         """Forces (m, n) along the motion."""
+        told = data.told if self.caught is None else replace(data.told, caught=self.caught)
         return self._complete(
-            predict_many(model, vectors, data.motion, data.told, longest=self.longest)
+            predict_many(model, vectors, data.motion, told, longest=self.longest)
         )
 
     def predict(self, data: Sensed, model: Model) -> Array:
@@ -127,6 +141,11 @@ class DamperForward:
             return self
         coarse = replace(self, longest=longest, beside=None)
         return replace(coarse, beside=rows - coarse.predict(data, model))
+
+    def begun(self, data: Sensed, model: Model) -> Forward:
+        """The same, without a look for where what a contact may catch begins."""
+        known = caught(model, data.motion, data.told, longest=self.longest)
+        return self if known is None else replace(self, caught=known)
 
     def _complete(self, forces: Array) -> Array:
         """Forces (m, n) with what their steps leave out."""

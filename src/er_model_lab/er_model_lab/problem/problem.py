@@ -113,6 +113,11 @@ class Problem:
         """
         return replace(self, forward=self.forward.near(self, model, predicted, longest))
 
+    def begun(self, model: Model) -> Problem:
+        """The problem where states begin about where they do with a model: predictions near it cost less."""
+        forward = self.forward.begun(self, model)
+        return self if forward is self.forward else replace(self, forward=forward)
+
     @property
     def parts(self) -> tuple[Problem, ...]:
         """One problem for each output, rows `c::outputs` of this one."""

@@ -113,6 +113,11 @@ class RideForward:
         del data, model, rows, longest
         return self
 
+    def begun(self, data: Sensed, model: Model) -> RideForward:
+        """Itself: all blocks begin where the rows before them say."""
+        del data, model
+        return self
+
     def beginnings(self, data: Sensed, model: Model) -> float:
         """None: the rows that the starts are made from are not scored."""
         del data, model

@@ -37,7 +37,7 @@ from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.diagnose import offer, result_of
 from er_model_lab.verbs.history import with_history
 from er_model_lab.verbs.resume import Begun, begun, finished, left_by, marked, resume, with_fits
-from er_model_lab.verbs.veto import refused, rise, weighed
+from er_model_lab.verbs.veto import SEVERAL, refused, rise, weighed
 from er_model_lab.view import View
 from er_model_lab.work import STOPPED, Event, Leader, Progress, Work
 
@@ -131,14 +131,24 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
     """
     current, studies, given = asked.model, list[Study](), asked.rule
     made: tuple[Study, Model] | None = None
-    notes = tuple[str, ...]()
-    for n in range(MOST_PASSES):
+    notes, tries = tuple[str, ...](), 0
+    while len(studies) < MOST_PASSES and tries < SEVERAL:
         left = current if studies else begun(current, asked.data, start)
         work = _keeping(asked.work, left, start, keep)
         last = studies[-1] if studies else None
-        if last is not None and (why := refused(last, given)):
-            return _Passes(studies, current, made, notes=(*notes, why))
-        now = replace(asked, model=current, seed=asked.seed + 1000 * n, work=work, last=last)
+        if last is not None:
+            rule, said = refused(last, asked.rule, given)
+            notes = (*notes, *said)
+            if rule is None:
+                return _Passes(studies, current, made, notes=notes)
+            asked = replace(asked, rule=rule)
+        now = replace(
+            asked,
+            model=current,
+            seed=asked.seed + 1000 * (len(studies) + tries),
+            work=work,
+            last=last,
+        )
         try:
             seen = investigate(now, start.noted)
             study, said = weighed(seen, asked.rule, given, later=bool(studies))
@@ -151,7 +161,10 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
             return _Passes(studies, current, made, stopped=True, notes=notes)
         notes = (*notes, *said)
         if study is None:
-            return _Passes(studies, current, made, notes=notes)
+            # what held-out data refuse may hide another effect, which they do not
+            barred = asked.rule.barred | {*seen.diagnosis.effects}
+            asked, tries = replace(asked, rule=replace(asked.rule, barred=barred)), tries + 1
+            continue
         if studies:
             studies[-1] = summary(studies[-1])
         studies.append(study)
@@ -166,9 +179,10 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
             current = _grown(_as_fitted(study), made, asked, start, name)
         if found.interrupted or not _goes_on(found):
             return _Passes(studies, current, made, stopped=found.interrupted, notes=notes)
+        rule, tries = replace(asked.rule, barred=given.barred), 0
         if found.verdict == "partial":
-            small = replace(given, helps=min(given.helps, FURTHER), plateaus=True)
-            asked = replace(asked, rule=small)
+            rule = replace(given, helps=min(given.helps, FURTHER), plateaus=True)
+        asked = replace(asked, rule=rule)
     return _Passes(studies, current, made, notes=notes)
 
 

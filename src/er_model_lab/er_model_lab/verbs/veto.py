@@ -1,18 +1,27 @@
-"""What held-out data refuse: effects beside which they are predicted worse than without."""
+"""What held-out data refuse: effects beside which they are predicted worse than without, or as badly."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from er_model_lab.diagnosis.candidates import Candidate, finished
+import numpy as np
+
+from er_model_lab.diagnosis.candidates import Candidate, effect_size, finished
 from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.investigation import judge
 from er_model_lab.diagnosis.rule import Rule
+from er_model_lab.diagnosis.search import decided
 from er_model_lab.fitting.velocity_channel import restored
 from er_model_lab.level.study import Study
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.by_record import BAND
+
+SEVERAL = 4
+"""Effects that held-out data refuse, one after the other, after which no other is tried."""
+AS_MUCH, VAIN = 0.5, 0.1
+"""Change that an effect makes on held-out data, over that on training data, from which on it acts there as well; and
+the share of the gain it promises then, both as mean squares, below which it is in vain."""
 
 
 def weighed(
@@ -41,7 +50,7 @@ def vetoed(study: Study, rule: Rule, band: float) -> tuple[Study, tuple[str, ...
     while len(found.effects) > 1 and not found.interrupted:
         held, fewer = set(found.effects), len(found.effects) - 1
         before = next((c for c in taken if {*c.effects} < held and len(c.effects) == fewer), None)
-        if before is None or not (said := rise(study.problem, before, found.best, band)):
+        if before is None or not (said := against(study.problem, before, found.best, band)):
             break
         (last,) = held - {*before.effects}
         notes.append(f"{last} not added: {said}")
@@ -57,22 +66,29 @@ def worse(study: Study, rule: Rule) -> str:
     found = study.diagnosis
     if not found.effects:
         return ""
-    said = rise(study.problem, found.base, found.best, _band(found.explained, rule))
+    said = against(study.problem, found.base, found.best, _band(found.explained, rule))
     return f"{' and '.join(found.effects)} not added: {said}" if said else ""
 
 
-def refused(study: Study, rule: Rule) -> str:
-    """Why there is no further pass: held-out data refuse what would begin it, and all that are tied with that."""
-    found, problem = study.diagnosis, study.problem
+def refused(study: Study, rule: Rule, given: Rule) -> tuple[Rule | None, tuple[str, ...]]:
+    """The rule of a further pass, which bars what held-out data refuse to begin it with, and what to say of that.
+
+    None where they refuse several, each with all that are tied with it. rule: of the pass; given: of the first one.
+    """
+    found, problem, notes = study.diagnosis, study.problem, list[str]()
     step = found.further
-    if step is None or step.taken is None:
-        return ""
-    tied = [c for c in step.candidates if c.name in step.ties or c is step.taken]
-    _, explained = shares(step.base.mse, step.taken.mse, found.floor)
-    said = [rise(problem, step.base, c, _band(explained, rule)) for c in tied]
-    if not all(said):
-        return ""
-    return f"{step.taken.name} not added: {said[tied.index(step.taken)]}"
+    if step is not None and rule.barred:
+        step = decided(step.base, step.candidates, step.null, problem, rule)
+    while step is not None and step.taken is not None and len(notes) < SEVERAL:
+        tied = [c for c in step.candidates if c.name in step.ties or c is step.taken]
+        _, explained = shares(step.base.mse, step.taken.mse, found.floor)
+        said = [against(problem, step.base, c, _band(explained, given)) for c in tied]
+        if not all(said):
+            return rule, tuple(notes)
+        notes.append(f"{step.taken.name} not added: {said[tied.index(step.taken)]}")
+        rule = replace(rule, barred=rule.barred | {c.name for c in tied})
+        step = decided(step.base, step.candidates, step.null, problem, rule)
+    return (None if notes else rule), tuple(notes)
 
 
 def instead(study: Study, rule: Rule) -> Study | None:
@@ -85,7 +101,7 @@ def instead(study: Study, rule: Rule) -> Study | None:
         if c.name not in tied:
             continue
         ended = finished(c, problem)
-        if rise(problem, found.base, ended, _band(found.explained, rule)):
+        if against(problem, found.base, ended, _band(found.explained, rule)):
             continue
         ended = replace(ended, fit=restored(ended.fit, found.best.fit.model))
         rounds, ties = list(found.rounds), found.alternatives
@@ -105,3 +121,23 @@ def rise(problem: Problem, before: Candidate, after: Candidate, band: float) -> 
     if new <= (1.0 + band) * old:
         return ""
     return f"the error on held-out data would rise from {old:.3g} N to {new:.3g} N"
+
+
+def against(problem: Problem, before: Candidate, after: Candidate, band: float) -> str:
+    """What held-out data say against an effect, in a clause; empty where they say nothing."""
+    return rise(problem, before, after, band) or vain(problem, before, after)
+
+
+def vain(problem: Problem, before: Candidate, after: Candidate) -> str:
+    """That an effect acts on held-out data as on those it was fitted to, and helps only there; empty where it helps.
+
+    It stands for what differs from record to record and is told by each record itself.
+    """
+    change = (before.fit.residual - after.fit.residual) ** 2
+    here, there = (float(np.mean(change[rows])) for rows in (problem.train, problem.held_out))
+    old, new = (errors(problem, c.fit.residual, problem.held_out).rmse for c in (before, after))
+    size = effect_size(before, after)
+    promised = size**2 * min(there / max(here, 1e-300), 1.0)
+    if size <= 0.0 or there < AS_MUCH * here or old**2 - new**2 >= VAIN * promised:
+        return ""
+    return f"the error on held-out data would stay, {old:.3g} N and {new:.3g} N, though it acts there as well"

@@ -8,7 +8,7 @@ import numpy as np
 
 from er_models.errors import InputError
 from er_models.model import Array, Model
-from er_models.rhs import vehicle_point
+from er_models.rhs import vehicle_points
 
 STATES = ("z_def", "v_s", "z_us - z_r", "v_us", "f_y")
 NAMES = (*(f"d({s})/dt" for s in STATES), "sprung acceleration", "unsprung", "F_d")
@@ -28,12 +28,12 @@ def rates_of(model: Model, loss: float = 0.0, others: float = 0.0, t: float = 0.
     check_parts(model)
     if loss:
         model = model.with_effect("preload", {"F_0": -loss})
-    slot = model.catalogue.slots["response"]
+    slot, point = model.catalogue.slots["response"], vehicle_points(model)
 
     def rates(x: Array, u: float, road_rate: float) -> Array:
         w = np.full(model.catalogue.n_states, others)
         w[slot] = x[4]
-        dq, dw, out = vehicle_point(model, np.ascontiguousarray(x[:4]), w, u, road_rate, t)
+        dq, dw, out = point(np.ascontiguousarray(x[:4]), w, u, road_rate, t)
         return np.concatenate([dq, [dw[slot]], out[4:], [out[2]]])
 
     return rates

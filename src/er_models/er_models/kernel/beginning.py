@@ -18,6 +18,8 @@ The text below the marker is compiled together with the equations of a catalogue
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from er_models.kernel.fast import entry, inner, once
@@ -43,8 +45,8 @@ BEYOND_MEASURE = 1e100
 """A force [N] as large is none: sums of the squares of larger ones are no numbers."""
 TURNS = 40
 """Turns through the states in which the shares of their ways are found, one after the other."""
-CHORDS = 4
-"""How often the chord of a state that is no straight line is drawn again, at most."""
+CHORDS, NEARBY = 4, 1
+"""How often the chord of a state that is no straight line is drawn again, at most, and where there is a hint."""
 LOOKS, HALVINGS = 4, 3
 """Beginnings of such a state that are looked at first, from the far end of its reach to the near one, and how often
 both sides of the best one are looked at, each time half as far off."""
@@ -95,44 +97,55 @@ def lies(own, at_rest, s, reach, away, path, n):
     return most < STILL * abs(away)
 
 
+@inner
+def looked_for(at_rest, own, hint):
+    """Whether a state may be caught anywhere, and nobody knows yet about where."""
+    return at_rest[own] == CAUGHT and math.isnan(hint[own])
+
+
 @once
 def slopes(
-    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, near, raw, path
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, hint, same, shown, left, near,
+    drawn, raw, path,
 ):  # fmt: skip
     """How the force follows the beginning of each state over its way: shown (S, n) [N]; how many rows show it.
 
-    States that begin at zero are counted from there. near (S,): the near ends, as shares; path (2 n_states, n): where
-    they were when reach was noted, and their rates; left (S, n), raw (n,): scratch, and so is the last row of
-    shown (S + 1, n).
+    States that begin at zero are counted from there. hint (n_states,): shares near which states were found to begin,
+    NaN where nobody knows; same: the last row of shown (S + 1, n) is the run from where all settle already; near (S,):
+    the near ends, and drawn (S,): those that the slopes go to, as shares; path (2 n_states, n): where they were when
+    reach was noted, and their rates; left (S, n), raw (n,): scratch.
     """
     many, n, rows = slots.shape[0], x.shape[0], 0
     # a bare number is a type to Numba: `predict` would be compiled for each
     n_sub, plain = 1 + rows, PLAIN + rows
     for q in range(many):
-        own, seen = slots[q], 0
+        own, seen, drawn[q] = slots[q], 0, 1.0
         away, near[q] = way(reach, own)
-        if at_rest[own] == CAUGHT and near[q] < 0.0:
+        anywhere = looked_for(at_rest, own, hint)
+        if at_rest[own] == CAUGHT and not anywhere:
+            drawn[q] = min(max(hint[own], near[q]), 1.0)
+        if anywhere and near[q] < 0.0:
             rows = max(rows, predict(
                 on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own,
                 near[q] * away, left[q], path,
             ))  # fmt: skip
         if (at_rest[own] == 0 or at_rest[own] == CAUGHT) and away != 0.0:
             seen = predict(
-                on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own, away,
-                left[q], path,
+                on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own,
+                drawn[q] * away, left[q], path,
             )  # fmt: skip
         if seen > 0 and lies(own, at_rest, s, reach, away, path, n):
             seen = 0
         for k in range(seen, n):
             shown[q, k] = left[q, k] = 0.0
         rows = max(rows, seen)
-    if rows:
+    if rows and not same:
         predict(
             on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], n_sub, clock, warm,
             s, shown[many], reach, plain, 0.0, raw, path,
         )  # fmt: skip
     for q in range(many):
-        slope(shown[:, :rows], q, left[q], 1.0, shift, raw[:rows])
+        slope(shown[:, :rows], q, left[q], drawn[q], shift, raw[:rows])
     return rows
 
 
@@ -165,6 +178,12 @@ def aim(look, near, best):
     return min(max(best + off * (1.0 - 2.0 * ((look - LOOKS) % 2)), near), 1.0)
 
 
+@inner
+def stays(to, drawn):
+    """Share of a state that is not drawn again: that of its chord, where the straight line would lead farther off."""
+    return to if abs(to - drawn) < MOVED else drawn
+
+
 @once
 def chord(
     on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q, to, raw, path
@@ -183,27 +202,31 @@ def chord(
 
 @once
 def chords(
-    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, near, share, drawn,
-    raw, path, error, weight, best, redrawn,
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, hint, shown, left, near, share,
+    drawn, raw, path, error, weight, best, redrawn,
 ):  # fmt: skip
     """Draw into `shown` the chord of each state that follows no straight line; whether any was drawn anew.
 
     share (S,): the shares of the ways that the chords go to; drawn (S,): those that they went to before. Motion: of the
     rows that show; the last row of `shown` is the run from where all settle. best (2, S): share of the run that left
-    least, and what that left. A gap has a valley on each side: of what is `CAUGHT` several shares are looked at first,
-    and after the last turn a share that has not come to rest is that of the best run.
+    least, and what that left. A gap has a valley on each side: of what is `CAUGHT` several shares are looked at first
+    where there is no hint, and after the last turn a share that has not come to rest is that of the best run.
     """
     anew = False
     for q in range(slots.shape[0]):
         if not crooked(reach, at_rest, slots[q]) or left[q, 0] == 0.0:
             continue
         catches, to, looks = at_rest[slots[q]] == CAUGHT, share[q], 0
-        if redrawn == CHORDS and not catches:
+        anywhere = looked_for(at_rest, slots[q], hint)
+        last = CHORDS if anywhere or not catches else NEARBY
+        if redrawn > last or (redrawn == last and not catches):
+            share[q] = stays(to, drawn[q]) if redrawn > last else to
             continue
         if redrawn == 0 and catches:
-            looks, share[q] = LOOKS + 2 * HALVINGS, 0.0
-            best[0, q], best[1, q] = 0.0, missed(error, weight, shown, share, q)
-        elif redrawn == CHORDS and abs(to - drawn[q]) >= MOVED:
+            looks = LOOKS + 2 * HALVINGS if anywhere else 0
+            share[q] = best[0, q] = 0.0 if looks > 0 else drawn[q]
+            best[1, q] = missed(error, weight, shown, share, q)
+        elif redrawn == last and abs(to - drawn[q]) >= MOVED:
             share[q] = to = best[0, q]
         for look in range(looks + 1):
             if looks > 0:
@@ -259,13 +282,14 @@ def shares(sums, near, share):
 
 @entry
 def begun_rows(
-    on, slots, links, at_rest, ps, dt, starts, course, x, v, a, u, theta, n_sub, measured, weight, unscored, forces,
-    spent,
+    on, slots, links, at_rest, ps, dt, starts, course, x, v, a, u, theta, n_sub, measured, weight, unscored, hints,
+    forces, spent, found,
 ):  # fmt: skip
     """As `predict_rows`, but each state begins where the measured force (n,) [N] says.
 
     weight (n,) [1/N2]: how much each sample tells; spent (m,): freedom that this took among the samples of each record
-    from `unscored` on.
+    from `unscored` on; hints (records, n_states): shares of their ways near which states that may be caught anywhere
+    begin, NaN where that is to be looked for; found (m, records, n_states): the same as they were found.
     """
     many, n = slots.shape[0], x.shape[0]
     noted = NOTED + 0 * n
@@ -289,24 +313,28 @@ def begun_rows(
                 0.0, raw, path,
             )  # fmt: skip
             ended(s, r, ends)
+            for row in range(j - i):
+                shown[many, row] = f_r[row]
             late(f_r, shift, raw[i:j])
             rows = slopes(
-                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, clock, warm, s, reach, shift, shown,
-                left, near, raw, path,
+                on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, clock, warm, s, reach, shift,
+                hints[r], n_sub == 1, shown, left, near, drawn, raw, path,
             )  # fmt: skip
             for row in range(rows):
                 error[row] = measured[i + row] - f_r[row]
-            told, drawn[:] = 0.0, 1.0
+            told = 0.0
             for redrawn in range(CHORDS + 1):
                 told = products(error[:rows], weight[i:j], shown, unscored, sums)
                 shares(sums, near, share)
                 if not chords(
                     on, slots, links, at_rest, p, dt, x_r[:rows], v_r[:rows], a_r[:rows], u_r[:rows], theta_r[:rows],
-                    clock, warm, s, reach, shift, shown[:, :rows], left, near, share, drawn, raw[:rows], path,
+                    clock, warm, s, reach, shift, hints[r], shown[:, :rows], left, near, share, drawn, raw[:rows], path,
                     error[:rows], weight[i:j], best, redrawn,
                 ):  # fmt: skip
                     break
             spent[k] += told
             for q in range(many):
+                if at_rest[slots[q]] == CAUGHT and left[q, 0] != 0.0:
+                    found[k, r, slots[q]] = drawn[q]
                 for row in range(rows):
                     f_r[row] += share[q] * shown[q, row]
