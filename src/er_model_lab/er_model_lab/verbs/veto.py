@@ -19,9 +19,9 @@ from er_model_lab.results.by_record import BAND
 
 SEVERAL = 4
 """Effects that held-out data refuse, one after the other, after which no other is tried."""
-AS_MUCH, VAIN = 0.5, 0.1
+AS_MUCH, VAIN = 0.25, 0.1
 """Change that an effect makes on held-out data, over that on training data, from which on it acts there as well; and
-the share of the gain it promises then, both as mean squares, below which it is in vain."""
+the share of the gain it promises then below which it is in vain. Both as mean squares."""
 
 
 def weighed(
