@@ -10,7 +10,16 @@ from er_model_lab.output.report.palette import VERDICT
 from er_model_lab.output.report.sections import headline
 from er_model_lab.output.text.ranking import effect_size, largest, limit, ranked
 from er_model_lab.output.text.regions import worst
-from er_model_lab.output.text.units import gain, newtons, parameter, percent, short, ticks, where
+from er_model_lab.output.text.units import (
+    estimate,
+    gain,
+    newtons,
+    parameter,
+    percent,
+    short,
+    ticks,
+    where,
+)
 from er_model_lab.output.text.verdict_text import TITLES, verdict_sentence, verdict_title
 from er_model_lab.residual.region import Region
 from report_views import PLANNED, PREFLIGHT, TABLES, compared, entry, table, view
@@ -153,6 +162,21 @@ def test_several_missing_effects_are_listed() -> None:
 )
 def test_the_deviation_decides_the_digits_of_a_parameter(triple: list[object], said: str) -> None:
     assert parameter(triple) == said
+
+
+@pytest.mark.parametrize(
+    ("value", "sd", "before", "said"),
+    [
+        (-0.1, 9.6, 263.117, ("263.1 N/m", "−0.1 ± 9.6 N/m")),
+        (0.0, None, 0.0365, ("36.50 mN/m", "0 mN/m")),
+        (2490.0, 120.0, 64.64, ("64.64 N/m", "2490 ± 120 N/m")),
+        (5.0e4, float("inf"), 2.0e4, ("20.00 kN/m", "50.0 kN/m")),
+    ],
+)
+def test_the_larger_of_value_and_deviation_says_in_which_unit_an_estimate_is_read(
+    value: float, sd: float | None, before: float, said: tuple[str, str]
+) -> None:
+    assert estimate({"value": value, "sd": sd, "before": before, "unit": "N/m"})[:2] == said
 
 
 @pytest.mark.parametrize(

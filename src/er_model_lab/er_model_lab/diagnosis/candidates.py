@@ -197,7 +197,7 @@ def refit(
         fitted, seen = _fitted_with(base, effect, problem, max_iter)
     else:
         part, rows = _on_part(base, few), few.problem.train
-        near = about(part.fit, few.problem, ROUGH)
+        near = about(part.fit, few.problem.begun(part.fit.model), ROUGH)
         begun, seen = _fitted_with(part, effect, near, max_iter, sketch=True)
         hopeless = base.seen * begun.mse(rows) > HOPE * target * part.fit.mse(rows)
         fitted = _on_all(base, begun, problem, 0 if hopeless else max_iter)
@@ -309,7 +309,7 @@ def _refit_many(
     known = base.fit.jacobian
     base = replace(base, fit=replace(base.fit, columns=(known,)))
     part, rows = _on_part(base, few), few.problem.train
-    near = about(part.fit, few.problem, ROUGH)
+    near = about(part.fit, few.problem.begun(part.fit.model), ROUGH)
     looked = _by_gain(near.each(_begun, effects, part, stage=TRYING), part, rows)
     begun = _by_gain(near.each(_gone_on, looked, stage=TRYING), part, rows)
     jobs = [(b, able and place < FINALISTS) for place, (b, able) in enumerate(begun)]

@@ -13,6 +13,7 @@ from er_models.model import Array, Model
 from er_models.prediction import (
     SUBSTEP,
     Motion,
+    Told,
     beginnings,
     caught,
     predict,
@@ -126,10 +127,13 @@ class DamperForward:
 
     def predict_many(self, data: Sensed, model: Model, vectors: Array) -> Array:
         """Forces (m, n) along the motion."""
-        told = data.told if self.caught is None else replace(data.told, caught=self.caught)
         return self._complete(
-            predict_many(model, vectors, data.motion, told, longest=self.longest)
+            predict_many(model, vectors, data.motion, self._told(data), longest=self.longest)
         )
+
+    def _told(self, data: Sensed) -> Told:
+        """What tells where states begin, with about where that is as far as it is known."""
+        return data.told if self.caught is None else replace(data.told, caught=self.caught)
 
     def predict(self, data: Sensed, model: Model) -> Array:
         """Force (n,) along the motion."""
@@ -144,7 +148,7 @@ class DamperForward:
 
     def begun(self, data: Sensed, model: Model) -> Forward:
         """The same, without a look for where what a contact may catch begins."""
-        known = caught(model, data.motion, data.told, longest=self.longest)
+        known = caught(model, data.motion, self._told(data), longest=self.longest)
         return self if known is None else replace(self, caught=known)
 
     def _complete(self, forces: Array) -> Array:

@@ -125,8 +125,10 @@ def parameter(triple: Sequence[Any], digits: int = 2) -> str:
 def estimate(entry: Mapping[str, Any]) -> tuple[str, str, str]:
     """Value before, value with its deviation, and bounds of an estimated parameter, all in one unit."""
     sd, before = entry.get("sd"), entry.get("before")
-    sizes = [abs(float(v)) for v in (entry["value"], sd, before) if v is not None]
-    factor, unit = engineering(max(sizes[:1] if sizes[0] else sizes), str(entry["unit"]))
+    told = [abs(float(v)) for v in (entry["value"], sd or 0.0) if math.isfinite(float(v))]
+    factor, unit = engineering(
+        max(told, default=0.0) or abs(float(before or 0.0)), str(entry["unit"])
+    )
     unit = f" {unit}".rstrip()
     value = with_deviation(float(entry["value"]) * factor, float(sd or 0.0) * factor)
     ends = _range(entry.get("bounds") or (), str(entry["unit"]))
