@@ -7,8 +7,8 @@ def tau_scale(r: float, y: float, f_y: float) -> float:
     """Factor on the response time [1]: r while the yield force shrinks, 1 while it grows, r^(1/2) at rest and at zero.
 
     The powers pass into one another where |f_y| is a few hundredths of |y|: a step there jumps with every
-    parameter that moves the instant of the zero, and no least squares gets over a sum of such jumps. So they do within a
-    thousandth of the target: on a plateau its last digit would say how fast the force leaves it.
+    parameter that moves the instant of the zero, and no least squares gets over a sum of such jumps. So they do
+    within a thousandth of the target: on a plateau its last digit would say how fast the force leaves it.
     """
     towards = f_y / (abs(f_y) + 0.05 * abs(y) + 1e-12)
     rising = (y - f_y) / (abs(y - f_y) + 1e-3 * abs(y) + 1e-12)
