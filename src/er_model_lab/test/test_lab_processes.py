@@ -186,6 +186,10 @@ assert found == [divmod(k, 5) for k in range(24)]
 print(PROCESSES.folder, *(PROCESSES.submit(os.getpid).result() for _ in range(8)), flush=True)
 if len(sys.argv) > 1:
     futures = [PROCESSES.submit(time.sleep, 60.0) for _ in range(2)]
+if sys.argv[1:] == ["at once"]:
+    PROCESSES.shutdown()
+    os._exit(0)
+elif len(sys.argv) > 1:
     time.sleep(60.0)
 """
 
@@ -209,6 +213,12 @@ def test_a_plain_script_may_use_them_and_leaves_nothing_behind(tmp_path):
     folder, *pids = out.split()
     assert not Path(folder).exists()
     assert not any(alive(int(pid)) for pid in pids)
+
+
+def test_an_owner_that_ends_at_once_leaves_no_words_of_theirs(tmp_path):
+    done = run(tmp_path, "at once")
+    _, err = done.communicate(timeout=120.0)
+    assert (done.returncode, err) == (0, "")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")

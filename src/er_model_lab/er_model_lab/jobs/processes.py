@@ -7,6 +7,7 @@ import os
 import pickle
 import shutil
 import signal
+import sys
 import tempfile
 import threading
 import time
@@ -89,9 +90,14 @@ class Processes(Executor):
         warnings.filterwarnings("ignore", "A worker stopped")  # one that grew is made anew
         self._folder = tempfile.TemporaryDirectory(prefix="er_lab_")
         begin = (os.getpid(), self._folder.name, first)
-        return ProcessPoolExecutor(
-            number, timeout=IDLE, initializer=_begin, initargs=begin, env=THREADS
-        )
+        # it frees what processes that were ended at once have left, and need not say so
+        sys.warnoptions.append("ignore:resource_tracker")
+        try:
+            return ProcessPoolExecutor(
+                number, timeout=IDLE, initializer=_begin, initargs=begin, env=THREADS
+            )
+        finally:
+            sys.warnoptions.pop()
 
     def submit(self, fn: Callable[..., Result], /, *args: Any, **options: Any) -> Future[Result]:
         """Have one of them do a job; `BrokenExecutor` where there are none, or one of them died."""
