@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from er_model_lab.output.report.palette import VERDICT
 from er_model_lab.output.report.sections import headline
-from er_model_lab.output.text.ranking import effect_size, largest, limit, ranked
+from er_model_lab.output.text.ranking import beside, effect_size, largest, limit, ranked
 from er_model_lab.output.text.regions import worst
 from er_model_lab.output.text.units import (
     estimate,
@@ -143,6 +143,13 @@ def test_several_missing_effects_are_listed() -> None:
     v = view(effects=["coulomb_friction", "end_stop"])
     assert verdict_title(v) == "Missing effect found: Coulomb friction and End stop"
     assert verdict_sentence(v).startswith("With them")
+
+
+def test_what_was_taken_shows_its_size_however_small_it_is_beside_the_first() -> None:
+    both = [entry("preload", 222.0), entry("gas_spring", 0.871), entry("end_stop", 0.871)]
+    found = view(effects=["preload", "gas_spring"], candidates=both)
+    said = [gain(effect_size(found, e), beside(found, e)) for e in both]
+    assert said == ["222 N", "0.871 N", "no gain"]
 
 
 @pytest.mark.parametrize(

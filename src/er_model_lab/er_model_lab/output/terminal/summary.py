@@ -22,7 +22,7 @@ from er_model_lab.output.terminal.plan import plan_lines
 from er_model_lab.output.terminal.preflight import preflight_lines
 from er_model_lab.output.text.fall import stages
 from er_model_lab.output.text.notes import SMALL, by_weight, weight
-from er_model_lab.output.text.ranking import effect_size, largest, limit, ranked
+from er_model_lab.output.text.ranking import beside, effect_size, limit, ranked
 from er_model_lab.output.text.regions import ALWAYS, NOTABLE, failures
 from er_model_lab.output.text.units import gain, newtons, percent, short, where
 from er_model_lab.output.text.verdict_text import (
@@ -184,7 +184,7 @@ def _row(view: View, e: Mapping[str, Any], pen: Pen) -> list[str | Text]:
     size, tone = effect_size(view, e), "" if pen.plain else STATUS_TONES.get(standing(e), "")
     return [
         pen.safe(title_of(view, str(e["effect"]))), pen.safe(newtons(e.get("rmse_held_out"))),
-        gain(None if "basis" in e else size, largest(view)),
+        gain(None if "basis" in e else size, beside(view, e)),
         pen.safe(short(e.get("p_value"), 2)), Text(pen.safe(standing_words(view, e)), style=tone),
     ]  # fmt: skip
 

@@ -33,6 +33,11 @@ def largest(view: View) -> float:
     return max([effect_size(view, e) or 0.0 for e in entries], default=0.0)
 
 
+def beside(view: View, entry: Entry) -> float:
+    """Size [N] beside which that of a candidate is told: none for what was taken, as it counts however small it is."""
+    return 0.0 if entry["effect"] in (view.result.get("effects") or ()) else largest(view)
+
+
 def ranked(view: View) -> list[Entry]:
     """What the result takes first, then the others by effect size."""
     taken = list(view.result.get("effects") or ())

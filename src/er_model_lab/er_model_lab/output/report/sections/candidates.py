@@ -10,7 +10,7 @@ import numpy as np
 from er_model_lab.output.report.figure import Axis, Bars, Figure, Level, Mark, Panel
 from er_model_lab.output.report.palette import INK, STATUS
 from er_model_lab.output.report.section import Section
-from er_model_lab.output.text.ranking import effect_size, largest, limit, ranked
+from er_model_lab.output.text.ranking import beside, effect_size, largest, limit, ranked
 from er_model_lab.output.text.units import gain, newtons, parameter, percent, short
 from er_model_lab.output.text.verdict_text import STATUS as SAID
 from er_model_lab.output.text.verdict_text import (
@@ -50,7 +50,7 @@ def _row(view: View, e: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "effect": e["effect"], "title": title_of(view, str(e["effect"])),
         "rmse": newtons(e.get("rmse_held_out")),
-        "size": gain(None if "basis" in e else size, largest(view)),
+        "size": gain(None if "basis" in e else size, beside(view, e)),
         "explains": percent(e.get("explains")),
         "p": short(e.get("p_value"), 2), "status": standing_words(view, e),
         "colour": STATUS.get(standing(e), INK),

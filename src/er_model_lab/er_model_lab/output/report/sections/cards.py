@@ -11,7 +11,7 @@ from er_model_lab.output.report.figure import Axis, Figure, Line, Panel, Points
 from er_model_lab.output.report.palette import AFTER, INK, RESIDUAL, STATUS
 from er_model_lab.output.report.samples import binned_mean
 from er_model_lab.output.report.section import Section
-from er_model_lab.output.text.ranking import effect_size, largest
+from er_model_lab.output.text.ranking import beside, effect_size
 from er_model_lab.output.text.units import arrow, gain, newtons, parameter, percent, short
 from er_model_lab.output.text.verdict_text import (
     joined,
@@ -75,7 +75,7 @@ def _numbers(view: View, e: Mapping[str, Any]) -> list[tuple[str, str]]:
         chance = (
             f", chance reaches {newtons(e['threshold'])}" if e.get("threshold") is not None else ""
         )
-        rows.append(("effect size, training data", gain(size, largest(view)) + chance))
+        rows.append(("effect size, training data", gain(size, beside(view, e)) + chance))
     if e.get("explains") is not None:
         rows.append(
             ("explains, training data", f"{percent(e['explains'])} of what can be explained")
