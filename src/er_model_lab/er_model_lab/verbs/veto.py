@@ -117,10 +117,16 @@ def _band(explained: float, rule: Rule) -> float:
 
 def rise(problem: Problem, before: Candidate, after: Candidate, band: float) -> str:
     """By how much the error on held-out data would rise, in a clause; empty where it rises by no more than a share."""
-    old, new = (errors(problem, c.fit.residual, problem.held_out).rmse for c in (before, after))
+    old, new = _held_out(problem, before, after)
     if new <= (1.0 + band) * old:
         return ""
     return f"the error on held-out data would rise from {old:.3g} N to {new:.3g} N"
+
+
+def _held_out(problem: Problem, before: Candidate, after: Candidate) -> tuple[float, float]:
+    """Error of both on held-out data [N]."""
+    old, new = (errors(problem, c.fit.residual, problem.held_out).rmse for c in (before, after))
+    return old, new
 
 
 def against(problem: Problem, before: Candidate, after: Candidate, band: float) -> str:
@@ -135,7 +141,7 @@ def vain(problem: Problem, before: Candidate, after: Candidate) -> str:
     """
     change = (before.fit.residual - after.fit.residual) ** 2
     here, there = (float(np.mean(change[rows])) for rows in (problem.train, problem.held_out))
-    old, new = (errors(problem, c.fit.residual, problem.held_out).rmse for c in (before, after))
+    old, new = _held_out(problem, before, after)
     size = effect_size(before, after)
     promised = size**2 * min(there / max(here, 1e-300), 1.0)
     if size <= 0.0 or there < AS_MUCH * here or old**2 - new**2 >= VAIN * promised:

@@ -20,6 +20,7 @@ from er_models.errors import InputError
 from er_records.readers.csv import table
 from er_records.readers.names import Given
 from er_records.readers.table import record
+from er_records.readers.units import UNITS
 from er_records.record import Record
 
 from er_studies.importers.checks import centred, check_dissipates
@@ -28,7 +29,7 @@ NOMINAL, FULL_PRESSURE = 7.0, 8.0
 """Highest nominal pressure, and what is counted as full duty: more than the regulator ever let through [bar]."""
 SOURCE = "github.com/EvaZillen/3D-printed-pneumatic-actuator 6e0bcb4"
 LICENCE = "CC0 1.0"
-COLUMNS, PASCAL_PER_BAR = 7, 1e5
+COLUMNS = 7
 NAMES: Given = {
     "t": "column 1 [ms]",
     "deflection": {"from": "column 5", "unit": "mm", "sign": -1},
@@ -55,7 +56,7 @@ def read(path: Path) -> list[Record]:
         raise InputError(path, "columns", f"{COLUMNS} of numbers without a header", found_there)
     rows = record(stored, NAMES).slice(1, None)
     deflection, note = centred(rows.channels["deflection"])
-    duty = rows.channels["pressure"] / (FULL_PRESSURE * PASCAL_PER_BAR)
+    duty = rows.channels["pressure"] / (FULL_PRESSURE * UNITS["Pa"]["bar"])
     channels = {**rows.channels, "deflection": deflection, "duty": duty}
     notes = (
         "the first row is a tare and was left out",
