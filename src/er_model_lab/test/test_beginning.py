@@ -209,7 +209,8 @@ def test_what_was_caught_is_found_again_near_where_it_was():
     whole = predict(model, motion(DT, x, v, u, a))[700:]
     part = motion(DT, x[700:], v[700:], u[700:], a[700:])
     told = Told(whole, np.full(part.n, 1e2), 60)
-    known = caught(model, part, told)
+    force, known = caught(model, part, told)
+    assert np.array_equal(force, predict(model, part, told))
     assert np.isfinite(known).sum() == 1
     assert caught(model.without_effect("friction_with_play"), part, told) is None
     hinted = replace(told, caught=known)

@@ -117,12 +117,29 @@ def test_a_gain_counts_beyond_the_errors_of_the_motion_where_they_act():
     [(ON_PLATEAUS, False, False), (ON_PLATEAUS, True, True), (AT_THE_GATE, True, False)],
 )
 def test_small_steps_believe_what_acts_on_the_plateaus(found, small, taken, monkeypatch):
-    monkeypatch.setattr(search, "far_better", lambda base, form, able, limit: True)
-    monkeypatch.setattr(search, "tied", lambda base, able, problem, limit: able)
+    _alone(monkeypatch)
     problem = SimpleNamespace(train=np.ones(GATE.size, bool), cycles=())
-    step = search.decided(BEFORE, [found], ERRORS, problem, replace(RULE, plateaus=small))
+    step = search.decided(BEFORE, [found], ERRORS, problem, replace(RULE, small_steps=small))
     assert (step.taken is found) is taken
     assert step.threshold < 0.2 if taken else step.threshold == ERRORS.least
+
+
+def _alone(monkeypatch, loose=()):
+    """Candidates stand for themselves; the values of some are not determined."""
+    monkeypatch.setattr(search, "far_better", lambda base, form, able, limit: True)
+    monkeypatch.setattr(search, "tied", lambda base, able, problem, limit: able[:1])
+    monkeypatch.setattr(search, "loose", lambda candidate, problem: loose)
+
+
+def test_small_steps_take_no_effect_whose_values_the_data_do_not_determine(monkeypatch):
+    _alone(monkeypatch, loose=("best",))
+    problem = SimpleNamespace(train=np.ones(GATE.size, bool), cycles=())
+    best, next_best = leaving(np.full(GATE.size, 0.5)), leaving(np.full(GATE.size, 1.0))
+    best.name, next_best.name = "best", "next"
+    for small, taken in ((False, best), (True, next_best)):
+        rule = replace(RULE, small_steps=small)
+        step = search.decided(BEFORE, [best, next_best], replace(ERRORS, least=0.0), problem, rule)
+        assert step.taken is taken
 
 
 def test_chance_passes_its_threshold_as_often_as_it_is_allowed_to():

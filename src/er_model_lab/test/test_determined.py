@@ -57,6 +57,19 @@ def test_a_neutral_value_at_its_bound_is_determined():
     assert loose(play, problem) == ()
 
 
+@pytest.mark.parametrize(("bound", "undetermined"), [("high", True), ("low", False)])
+def test_an_elastic_way_without_end_is_not_determined(bound, undetermined):
+    """A friction whose elastic way is as long as the stroke never slides; one that turns at once is an answer."""
+    model, problem = problem_of("coulomb_friction", {"F_c": 2.0}, seconds=12.0)
+    friction = refit(baseline(model, problem), model.catalogue["bouc_wen_hysteresis"], problem)
+    place = ("bouc_wen_hysteresis", "z_y")
+    at = friction.fit.free.index(place)
+    theta = friction.fit.theta.copy()
+    theta[at] = getattr(model.catalogue[place[0]].parameter(place[1]), bound)
+    edge = replace(friction.fit, theta=theta, at_bound=np.arange(theta.size) == at)
+    assert (place[0] in loose(replace(friction, fit=edge), problem)) is undetermined
+
+
 def test_a_refinement_at_its_bound_is_determined():
     """A void that takes the pressure at once, as that of vapour does: an answer, not an impossible value."""
     hidden = {"F_v": 8.0, "r": 0.0, "w_s": 2e-4, "s_y": 0.0, "n_g": 30.0}

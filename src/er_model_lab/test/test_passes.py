@@ -209,6 +209,32 @@ def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, l
     assert barred == [set(), set()] + ([] if taken else [{"end_stop"}])
 
 
+def test_a_pass_does_not_begin_with_what_held_out_data_refused_of_the_one_before(monkeypatch):
+    one, rules = SimpleNamespace(residual=np.ones(8)), []
+    studies = {
+        names: Part(diagnosis=Search(names, Part(fit=one), (), base=Part(fit=one)))
+        for names in (("preload", "remanence"), ("preload",))
+    }
+
+    def investigate(now, *_):
+        rules.append(now.rule)
+        if len(rules) > 1:
+            raise Cancelled
+        return studies["preload", "remanence"]
+
+    monkeypatch.setattr(improve, "investigate", investigate)
+    monkeypatch.setattr(improve, "weighed", lambda *_, later: (studies["preload",], ()))
+    monkeypatch.setattr(improve, "refused", lambda study, rule, given: (rule, ()))
+    monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
+    monkeypatch.setattr(improve, "marked", lambda model, _: model)
+    monkeypatch.setattr(improve, "begun", lambda model, *_: model)
+    level = SimpleNamespace(finished=lambda study, _: study.diagnosis.effects)
+    asked = Question(data=None, model=(), level=level, preflight=None)
+    improve._passes(asked, SimpleNamespace(noted={}, digest=""), "m", None)
+    assert [{*r.barred} for r in rules] == [set(), {"remanence"}]
+    assert rules[1].small_steps
+
+
 def test_ctrl_c_while_held_out_data_are_asked_keeps_what_was_found(monkeypatch):
     def asked_of(study, *_, later):
         if later:
@@ -261,7 +287,10 @@ def test_what_a_search_found_last_goes_again_where_held_out_data_refuse_it(two_f
     assert seen.best.fit.model.effects == (best if kept == 2 else one).fit.model.effects
     assert len(notes) == 2 - kept
     assert all(note.startswith("preload not added: the error on held-out data") for note in notes)
-    if kept == 1:  # what remains explains less, and is judged and told by that
+    if (
+        kept == 1
+    ):  # what remains explains less, and is judged and told by that; the next pass need not try again
+        assert [c.effects for c in seen.further.candidates] == [("preload",)]
         assert seen.explained == pytest.approx(0.5)
         assert seen.verdict == "partial"
         assert "Coulomb" in " ".join(seen.reasons)

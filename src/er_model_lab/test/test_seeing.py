@@ -272,6 +272,9 @@ def test_all_parameters_are_told_with_bounds_and_where_they_came_from() -> None:
     assert (f_c["before"], f_c["status"]) == (None, "added")
     assert found["coulomb_friction"]["v_0"]["status"] == "not_identified"
     assert found["response"]["tau"]["status"] == "given"
+    wide = {"guo_yield": {"k1": 570.0, "c1": 10.0}}
+    vague = estimates(before, replace(after, deviations=wide))["guo_yield"]
+    assert [vague[n]["status"] for n in ("k1", "c1")] == ["not_identified", "identified"]
     car = load_model(GUO.parents[1] / "vehicles" / "inove_quarter_car.yaml")
     fitted = replace(car, deviations={"quarter_car": {"m_us": 1e-3}})
     masses = estimates(car, fitted)["quarter_car"]

@@ -63,7 +63,9 @@ def test_a_form_is_fitted_to_its_end_before_its_special_case_is_named(monkeypatc
 
 
 @pytest.mark.parametrize(("samples", "there"), [(3, False), (200, True)])
-def test_an_effect_that_gains_in_three_samples_alone_is_none(compliant, samples, there):
+def test_an_effect_that_gains_in_three_samples_alone_is_none(
+    compliant, samples, there, monkeypatch
+):
     base, better, problem = compliant
     rows, where = problem.train, np.flatnonzero(problem.train)[400 : 400 + samples]
     left = base.residual.copy()
@@ -78,7 +80,8 @@ def test_an_effect_that_gains_in_three_samples_alone_is_none(compliant, samples,
     step = decided(worse, [only], null, problem, RULE)
     assert (step.taken is not None) is there
     moved = replace(null, least=100.0, input_square=np.zeros(rows.size))
-    step = decided(worse, [only], moved, problem, replace(RULE, plateaus=True))
+    monkeypatch.setattr(search, "loose", lambda candidate, problem: ())
+    step = decided(worse, [only], moved, problem, replace(RULE, small_steps=True))
     assert (step.taken is not None) is there, "a small step believes no more"
 
 

@@ -167,11 +167,14 @@ def beginnings(model: Model, inputs: Motion, told: Told, *, longest: float = SUB
     return float(_predicted(model, model.compiled().p[None], inputs, told, longest).spent[0])
 
 
-def caught(model: Model, inputs: Motion, told: Told, *, longest: float = SUBSTEP) -> Array | None:
-    """About where the states begin that a contact may catch anywhere (records, n_states), as shares of their ways.
+def caught(
+    model: Model, inputs: Motion, told: Told, *, longest: float = SUBSTEP
+) -> tuple[Array, Array] | None:
+    """Force (n,) [N], and about where states begin that a contact may catch anywhere, as shares of their ways.
 
-    NaN for all others; None where the model has none that is not known yet. As `Told.caught` it spares models nearby
-    the look for them, which takes ten runs from the beginning of each record. longest: as in `predict`.
+    These (records, n_states) are NaN for all other states; None where the model has none that is not known yet. As
+    `Told.caught` they spare models nearby the look for them, which takes ten runs from the beginning of each record.
+    longest: as in `predict`.
     """
     c = model.compiled()
     states = c.slots[c.at_rest[c.slots] == CAUGHT]
@@ -179,7 +182,8 @@ def caught(model: Model, inputs: Motion, told: Told, *, longest: float = SUBSTEP
         told.caught is not None and np.isfinite(told.caught[:, states]).any(axis=0).all()
     ):
         return None
-    return np.asarray(_predicted(model, c.p[None], inputs, told, longest).caught[0])
+    found = _predicted(model, c.p[None], inputs, told, longest)
+    return found.forces[0], found.caught[0]
 
 
 class _Predicted(NamedTuple):

@@ -314,7 +314,7 @@ def _refit_many(
     begun = _by_gain(near.each(_gone_on, looked, stage=TRYING), part, rows)
     jobs = [(b, able and place < FINALISTS) for place, (b, able) in enumerate(begun)]
     near, best = about(base.fit, problem, ROUGH), partial(leaders, base)
-    judged = near.each(_judged, jobs, base, stage=FINISHING, best=best)
+    judged = near.each(_judged, jobs, base, near.begun(base.fit.model), stage=FINISHING, best=best)
     found = predicted([_beside(c, known) for c in judged])
     found.sort(key=lambda c: max(c.mse, c.seen))
     return _ended(base, found, problem)
@@ -372,12 +372,16 @@ def _gone_on(job: tuple[Begun, bool], problem: Problem) -> Begun:
     return replace(begun, fit=longer)
 
 
-def _judged(job: tuple[Begun, bool], problem: Problem, base: Candidate) -> Candidate:
+def _judged(
+    job: tuple[Begun, bool], problem: Problem, base: Candidate, where_base_begins: Problem
+) -> Candidate:
     """A fit to stretches, fitted to all runs where it is one of the best, which the job says.
 
-    Derivatives that the base has stay there: those of all candidates would be most of the memory.
+    Derivatives that the base has stay there: those of all candidates would be most of the memory. where_base_begins:
+    the same problem, `begun` at the base, which is enough for the others.
     """
     begun, ahead = job
+    problem = problem if ahead else where_base_begins
     on_all = _on_all(base, begun.fit, problem, FIRST_ITERATIONS if ahead else 0)
     names, seen = (*base.effects, begun.name), begun.seen
     found = cross_judged(names, on_all, problem, seen.kept, seen.reach, straight=not ahead)

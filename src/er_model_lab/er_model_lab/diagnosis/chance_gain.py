@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.candidates import Candidate, additions
 from er_model_lab.diagnosis.starts import starts
+from er_model_lab.fitting.fit import about
+from er_model_lab.problem.forward import ROUGH
 from er_model_lab.problem.held_out import FOLDS
 from er_model_lab.problem.problem import Problem
 
@@ -46,7 +48,8 @@ def largest(base: Candidate, rivals: list[Candidate], problem: Problem, errors: 
     """
     train, e = problem.train, errors[problem.train]
     blocks = _blocks(_scaled(base.fit.jacobian, train), e, _edges(problem))
-    gained = problem.each(
+    near = about(base.fit, problem, ROUGH).begun(base.fit.model)
+    gained = near.each(
         _gained, range(len(rivals)), base, rivals, e, blocks, stage="what chance gives"
     )
     return np.asarray(np.max(gained, axis=0, initial=0.0))

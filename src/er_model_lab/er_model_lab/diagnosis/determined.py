@@ -9,7 +9,7 @@ from er_models.effect import arguments
 
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.coverage import STEP
-from er_model_lab.fitting.fit import standard_deviations
+from er_model_lab.fitting.fit import Fit, standard_deviations
 from er_model_lab.problem.problem import Problem
 
 CLEAR = 2.0
@@ -44,12 +44,24 @@ def unseen(candidate: Candidate, problem: Problem) -> bool:
     return still and (follows or effect.stage == "actuation")
 
 
+def _endless(fitted: Fit) -> list[tuple[str, str]]:
+    """Values of form that stand at their upper bounds."""
+    catalogue, found = fitted.model.catalogue, []
+    for k in np.flatnonzero(fitted.at_bound):
+        effect, name = fitted.free[k]
+        q = catalogue[effect].parameter(name)
+        if q.neutral is None and not q.optional and fitted.theta[k] >= q.high * (1.0 - 1e-9):
+            found.append(fitted.free[k])
+    return found
+
+
 def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
     """Effects of a model whose values the data do not determine.
 
-    A strength stands at a bound other than doing nothing, or none of them is clear of that. Values of form, which are
-    nothing at no value, and refinements may stand at a bound, and are taken as they are: that a void never refills, or
-    takes the pressure at once, is an answer.
+    A strength stands at a bound other than doing nothing, or none of them is clear of that; or a value of form, which
+    is nothing at no value, stands at its upper one: an elastic way as long as the stroke never comes to its end. At
+    its lower one it may stand, and refinements at either, and they are taken as they are: that friction turns at once,
+    or a void never refills, is an answer.
     """
     if not best.effects:
         return ()
@@ -62,9 +74,10 @@ def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
     }
     form = np.array([e in best.effects and (e, p) not in strength for e, p in fitted.free])
     given = replace(fitted, at_bound=fitted.at_bound | form)
+    endless = {e for e, p in _endless(fitted) if e in best.effects}
     deviations = standard_deviations(given, problem)
     for name in best.effects:
-        clear = []
+        clear, found = [], found + [name] * (name in endless)
         for place, at_bound, sd in zip(fitted.free, fitted.at_bound, deviations, strict=True):
             if place[0] == name and place in strength:
                 off = abs(model.value(*place) - strength[place])

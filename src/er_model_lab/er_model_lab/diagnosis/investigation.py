@@ -93,7 +93,7 @@ def search_effects(
     """
     if begun is None:
         begun = one_round(known or baseline(model, problem), problem, seed, rule)
-    elif rule.plateaus or rule.barred:
+    elif rule.small_steps or rule.barred:
         begun = decided(begun.base, begun.candidates, begun.null, problem, rule)
     base, rounds = begun.base, [begun]
     best = begun.taken or base

@@ -288,7 +288,7 @@ def decided(
     limit = threshold(null, left, rule)
     free = [c for c in candidates if c.name not in rule.barred]
     able = [c for c in free if there(base, c, problem, limit)]
-    if rule.plateaus and not able and null.least and not problem.cycles:
+    if rule.small_steps and not able and null.least and not problem.cycles:
         bare = replace(null, least=0.0)
         of_noise = threshold(bare, left, rule)
         able = [
@@ -313,6 +313,9 @@ def decided(
     if taken.ranked:
         candidates = [finished(c, problem) if c is taken else c for c in candidates]
         return decided(base, sorted(candidates, key=lambda c: c.mse), null, problem, rule)
+    if rule.small_steps and taken.name in loose(taken, problem):
+        other = replace(rule, barred=rule.barred | {taken.name})
+        return decided(base, candidates, null, problem, other)
     ties = [c.name for c in group if c is taken or rivals(taken, c, problem)]
     return Round(base, candidates, null, limit, taken, ties)
 
@@ -406,7 +409,8 @@ def swapped(
         if not others:
             continue
         place, rest = best.effects.index(name), without(name, problem, best)
-        trials = problem.each(exchanged, others, rest, place, stage="exchanging effects")
+        target = max(best.mse, best.seen) + (FAR_BEYOND * step.threshold) ** 2
+        trials = problem.each(exchanged, others, rest, place, target, stage="exchanging effects")
         alike = tied(rest, sorted([best, *trials], key=lambda c: c.mse), problem, step.threshold)
         best = alike[0]
         groups.append(
@@ -448,9 +452,15 @@ def close(step: Round) -> list[str]:
     return [c.name for c in near if effect_size(step.base, c) >= least]
 
 
-def exchanged(name: str, problem: Problem, rest: Candidate, place: int) -> Candidate:
-    """A model with another effect in the place of the one that was taken out."""
-    found = finished(refit(rest, rest.fit.model.catalogue[name], problem, max_iter=20), problem)
+def exchanged(
+    name: str, problem: Problem, rest: Candidate, place: int, target: float = np.inf
+) -> Candidate:
+    """A model with another effect in the place of the one that was taken out.
+
+    target: mean square [N2] that it must promise on stretches of many runs to be fitted to the end.
+    """
+    effect = rest.fit.model.catalogue[name]
+    found = finished(refit(rest, effect, problem, max_iter=20, target=target), problem)
     return replace(found, effects=(*rest.effects[:place], name, *rest.effects[place:]))
 
 

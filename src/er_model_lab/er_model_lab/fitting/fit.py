@@ -343,12 +343,10 @@ def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array |
 
     Columns that are known already are taken over.
     """
-    here = box.model_at(theta)
-    near = problem.begun(here)
+    near = problem.begun(box.model_at(theta))
     new = quotients(
         lambda points: near.predict_many(box.model, box.vectors(points)), theta,
-        steps(box.parameters, theta), f if near is problem else near.predict(here),
-        0 if known is None else known.shape[1],
+        steps(box.parameters, theta), f, 0 if known is None else known.shape[1],
     )  # fmt: skip
     return new if known is None else np.hstack([known, new])
 
@@ -418,7 +416,7 @@ def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
     """Residual (n,) predicted by the model itself without each block."""
     box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
     r, train = fitted.residual.copy(), problem.train
-    near = about(fitted, problem)
+    near = about(fitted, problem).begun(fitted.model)
     for b in range(steps.shape[0]):
         rows = problem.fold == b
         points = fitted.theta + np.multiply.outer(SHARES, steps[b])

@@ -82,7 +82,7 @@ class Forward(Protocol):
         """
 
     def begun(self, data: Sensed, model: Model) -> Forward:
-        """What predicts rows for less that begin about where those of a model do; itself where nothing does."""
+        """What predicts rows for less, as they begin about where those of a model do, exact there; or itself."""
 
     def beginnings(self, data: Sensed, model: Model) -> float:
         """How many numbers the data have told of where the states of a model begin, beside its parameters."""
@@ -147,9 +147,13 @@ class DamperForward:
         return replace(coarse, beside=rows - coarse.predict(data, model))
 
     def begun(self, data: Sensed, model: Model) -> Forward:
-        """The same, without a look for where what a contact may catch begins."""
-        known = caught(model, data.motion, self._told(data), longest=self.longest)
-        return self if known is None else replace(self, caught=known)
+        """The same, without a look for where what a contact may catch begins; exact at the model."""
+        found = caught(model, data.motion, self._told(data), longest=self.longest)
+        if found is None:
+            return self
+        force, known = found
+        near = replace(self, caught=known, beside=None)
+        return replace(near, beside=self._complete(force) - near.predict(data, model))
 
     def _complete(self, forces: Array) -> Array:
         """Forces (m, n) with what their steps leave out."""
@@ -158,7 +162,7 @@ class DamperForward:
     def beginnings(self, data: Sensed, model: Model) -> float:
         """Of all states and records."""
         coarse = max(self.longest, COARSE)
-        return beginnings(model, data.motion, data.told, longest=coarse)
+        return beginnings(model, data.motion, self._told(data), longest=coarse)
 
     def free(self, model: Model) -> Free:
         """Fitted parameters of the damper.

@@ -114,7 +114,10 @@ class Problem:
         return replace(self, forward=self.forward.near(self, model, predicted, longest))
 
     def begun(self, model: Model) -> Problem:
-        """The problem where states begin about where they do with a model: predictions near it cost less."""
+        """The problem where states begin about where they do with a model: predictions near it cost less.
+
+        They are exact at the model.
+        """
         forward = self.forward.begun(self, model)
         return self if forward is self.forward else replace(self, forward=forward)
 

@@ -39,7 +39,8 @@ def parameters(model: Model, effect: str) -> dict[str, list[Any]]:
 def estimates(before: Model, after: Model) -> dict[str, dict[str, dict[str, Any]]]:
     """Every parameter of a model with its value before (None where it is new), deviation, bounds and unit.
 
-    status: given (not fitted), added, at_bound, not_identified (the data do not determine it) or identified.
+    status: given (not fitted), added, at_bound, not_identified (the data do not determine it: its deviation is as large
+    as such a value is) or identified.
     """
     return {
         effect: {
@@ -56,9 +57,10 @@ def _estimate(before: Model, after: Model, effect: str, q: Param) -> dict[str, A
     known = effect in before.effects
     at = [math.isclose(value, end, rel_tol=EXACT) for end in (low, high)]
     bounded = at[1] or (at[0] and not low == q.neutral == 0.0)
+    least = max(abs(value), after.scales.of(q.unit) * q.size)
     status = (
         "given" if sd is None and known else "at_bound" if bounded
-        else "not_identified" if sd is None or not math.isfinite(sd) else "identified" if known else "added"
+        else "not_identified" if sd is None or not sd < least else "identified" if known else "added"
     )  # fmt: skip
     return {
         "value": value, "sd": sd, "unit": q.unit, "before": float(before.effects[effect][q.name]) if known else None,

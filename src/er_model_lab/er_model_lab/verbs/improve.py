@@ -179,11 +179,19 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
             current = _grown(_as_fitted(study), made, asked, start, name)
         if found.interrupted or not _goes_on(found):
             return _Passes(studies, current, made, stopped=found.interrupted, notes=notes)
-        rule, tries = replace(asked.rule, barred=given.barred), 0
-        if found.verdict == "partial":
-            rule = replace(given, helps=min(given.helps, FURTHER), plateaus=True)
-        asked = replace(asked, rule=rule)
+        asked, tries = replace(asked, rule=_after(seen.diagnosis, found, asked.rule, given)), 0
     return _Passes(studies, current, made, notes=notes)
+
+
+def _after(seen: Diagnosis, kept: Diagnosis, rule: Rule, given: Rule) -> Rule:
+    """The rule of the pass after one that found this, of which held-out data kept that: in small steps after a part.
+
+    It does not begin with what they have just refused. rule: of the pass; given: of the first one.
+    """
+    barred = given.barred | ({*seen.effects} - {*kept.effects})
+    if kept.verdict != "partial":
+        return replace(rule, barred=barred)
+    return replace(given, helps=min(given.helps, FURTHER), small_steps=True, barred=barred)
 
 
 def _as_fitted(study: Study) -> Study:

@@ -10,7 +10,7 @@ from er_model_lab.diagnosis.candidates import Candidate, effect_size, finished
 from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.investigation import judge
 from er_model_lab.diagnosis.rule import Rule
-from er_model_lab.diagnosis.search import decided
+from er_model_lab.diagnosis.search import afresh, decided
 from er_model_lab.fitting.velocity_channel import restored
 from er_model_lab.level.study import Study
 from er_model_lab.problem.problem import Problem
@@ -55,9 +55,11 @@ def vetoed(study: Study, rule: Rule, band: float) -> tuple[Study, tuple[str, ...
         (last,) = held - {*before.effects}
         notes.append(f"{last} not added: {said}")
         ties = tuple(group for group in found.alternatives if last not in group)
+        tried = next((step for step in found.rounds if step.base is before), None)
         before = replace(before, fit=restored(before.fit, found.best.fit.model))
         rounds = list(found.rounds)
         found = judge(found.base, before, rounds, found.floor, study.problem, ties, rule)
+        found = replace(found, further=afresh(tried) if tried else None)
     return (replace(study, diagnosis=found) if notes else study), tuple(notes)
 
 

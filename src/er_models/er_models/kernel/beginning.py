@@ -50,6 +50,8 @@ CHORDS, NEARBY = 4, 1
 LOOKS, HALVINGS = 4, 3
 """Beginnings of such a state that are looked at first, from the far end of its reach to the near one, and how often
 both sides of the best one are looked at, each time half as far off."""
+SPAN = 2
+"""How much longer they are looked at than it takes the state to go through its way."""
 STILL = 0.05
 """Share of its way below which a state that is dragged along is not moved by a record."""
 MOVED = 0.02
@@ -172,8 +174,6 @@ def aim(look, near, best):
     """Share that is looked at: from the far end to the near one, then about the best one, half as far off each time."""
     if look < LOOKS:
         return 1.0 - (1.0 - near) * look / (LOOKS - 1)
-    if look >= LOOKS + 2 * HALVINGS:
-        return best
     off = (1.0 - near) / (LOOKS - 1) * 0.5 ** ((look - LOOKS) // 2 + 1)
     return min(max(best + off * (1.0 - 2.0 * ((look - LOOKS) % 2)), near), 1.0)
 
@@ -188,16 +188,53 @@ def stays(to, drawn):
 def chord(
     on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q, to, raw, path
 ):  # fmt: skip
-    """Draw into `shown` the chord of state q to the share `to` of its way."""
+    """Draw into `shown` the chord of state q to the share `to` of its way, over the rows of the motion."""
     n, n_sub = x.shape[0], 1 + 0 * x.shape[0]
     away, _ = way(reach, slots[q])
     seen = predict(
-        on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, slots[q],
-        to * away, left[q], path,
+        on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q, :n], reach, slots[q],
+        to * away, left[q, :n], path,
     )  # fmt: skip
     for k in range(seen, n):
         shown[q, k] = left[q, k] = 0.0
-    slope(shown, q, left[q], to, shift, raw)
+    slope(shown[:, :n], q, left[q, :n], to, shift, raw[:n])
+
+
+@inner
+def crossed(path, own, away, n):
+    """Rows of a record of n in which a state goes through as much as its way, from where all settle."""
+    low = high = path[own, min(1, n - 1)]
+    for k in range(1, n):
+        low, high = min(low, path[own, k]), max(high, path[own, k])
+        if high - low >= abs(away):
+            return k + 1
+    return n
+
+
+@once
+def looked(
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q, near, share, raw,
+    path, error, weight, best,
+):  # fmt: skip
+    """Put into best (2, S) about where a state that may be caught anywhere begins, and what that leaves.
+
+    Its valleys show while it goes through its way for the first time, and some rows more.
+    """
+    away, _ = way(reach, slots[q])
+    n = min(SPAN * crossed(path, slots[q], away, x.shape[0]), x.shape[0])
+    share[q] = best[0, q] = 0.0
+    best[1, q] = missed(error[:n], weight, shown, share, q)
+    for look in range(LOOKS + 2 * HALVINGS):
+        share[q] = aim(look, near[q], best[0, q])
+        if abs(share[q]) < MOVED:
+            continue
+        chord(
+            on, slots, links, at_rest, p, dt, x[:n], v[:n], a[:n], u[:n], theta[:n], clock, warm, s, reach, shift,
+            shown, left, q, share[q], raw, path,
+        )  # fmt: skip
+        over = missed(error[:n], weight, shown, share, q)
+        if over < best[1, q]:
+            best[0, q], best[1, q] = share[q], over
 
 
 @once
@@ -216,34 +253,37 @@ def chords(
     for q in range(slots.shape[0]):
         if not crooked(reach, at_rest, slots[q]) or left[q, 0] == 0.0:
             continue
-        catches, to, looks = at_rest[slots[q]] == CAUGHT, share[q], 0
+        catches, to = at_rest[slots[q]] == CAUGHT, share[q]
         anywhere = looked_for(at_rest, slots[q], hint)
         last = CHORDS if anywhere or not catches else NEARBY
         if redrawn > last or (redrawn == last and not catches):
             share[q] = stays(to, drawn[q]) if redrawn > last else to
             continue
-        if redrawn == 0 and catches:
-            looks = LOOKS + 2 * HALVINGS if anywhere else 0
-            share[q] = best[0, q] = 0.0 if looks > 0 else drawn[q]
+        first = redrawn == 0 and catches
+        if first and anywhere:
+            looked(
+                on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q, near,
+                share, raw, path, error, weight, best,
+            )  # fmt: skip
+            # its chord was drawn over the first rows only; one to nowhere has no slope
+            drawn[q], to = math.nan, best[0, q] if abs(best[0, q]) >= MOVED else MOVED
+        elif first:
+            share[q] = best[0, q] = drawn[q]
             best[1, q] = missed(error, weight, shown, share, q)
         elif redrawn == last and abs(to - drawn[q]) >= MOVED:
-            share[q] = to = best[0, q]
-        for look in range(looks + 1):
-            if looks > 0:
-                to = aim(look, near[q], best[0, q])
-            share[q] = to
-            if abs(to) < MOVED or (abs(to - drawn[q]) < MOVED and looks == 0):
-                continue
-            if to != drawn[q]:
-                chord(
-                    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q,
-                    to, raw, path,
-                )  # fmt: skip
-                drawn[q], anew = to, True
-            if catches:
-                over = missed(error, weight, shown, share, q)
-                if over < best[1, q]:
-                    best[0, q], best[1, q] = to, over
+            to = best[0, q]
+        share[q] = to
+        if abs(to) < MOVED or abs(to - drawn[q]) < MOVED:
+            continue
+        chord(
+            on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q, to, raw,
+            path,
+        )  # fmt: skip
+        drawn[q], anew = to, True
+        if catches:
+            over = missed(error, weight, shown, share, q)
+            if over < best[1, q] or (first and anywhere):
+                best[0, q], best[1, q] = to, over
     return anew
 
 
