@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from er_models.effect import Effect, arguments
+from er_models.effect import SMOOTH, Effect, arguments
 from er_models.model import Array, Model
 from er_models.prediction import motion, predict
 from numpy.typing import NDArray
@@ -290,7 +290,8 @@ def refit_all(
 
     before: what was tried beside the model before it grew; of many runs, effects are begun from these values, too.
     """
-    tried = [e.name for e in (missing(base.fit.model, problem) if effects is None else effects)]
+    able = missing(base.fit.model, problem) if effects is None else effects
+    tried = [e.name for e in sorted(able, key=_quick)]
     few = problem.practice
     if few:
         known = {c.name: [c.fit.model.effects[c.name]] for c in before}
@@ -300,6 +301,11 @@ def refit_all(
     )
     found.sort(key=lambda c: c.mse)
     return _ended(base, found, problem)
+
+
+def _quick(effect: Effect) -> bool:
+    """Whether an effect is fitted soon; one whose events make that long is begun first, so that nobody waits for it."""
+    return all(q.step == SMOOTH for q in effect.parameters)
 
 
 def _refit_many(

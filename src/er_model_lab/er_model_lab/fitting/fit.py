@@ -29,6 +29,8 @@ DAMPINGS = (0.1, 1.0, 10.0)
 """Multiples of the damping that are tried at once."""
 AWAY = 2e-3
 """Share by which the mean square in longer steps may differ from the true one where a fit ends."""
+DAMPED = 1e-3
+"""Damping where a straight line is believed whatever it is worth: what hardly moves the force goes nowhere."""
 NOTHING = 1e-9
 """A parameter that moves the force by so small a share of the strongest one is not told by the data."""
 SHARES = np.array([0.1, 0.3, 1.0])
@@ -379,7 +381,7 @@ def cross_validated(
     few blocks that show them would be held against the effect. straight: the line is believed. Where a record's states
     begin is told by its own samples: the error is raised by what each such number gains by chance.
     """
-    steps = _leaving_out(fitted, problem)
+    steps = _leaving_out(fitted, problem, damping=DAMPED if straight else 0.0)
     r, j = fitted.residual.copy(), fitted.jacobian
     blocks = range(int(problem.fold.max()) + 1)
     for b in blocks:
@@ -394,8 +396,13 @@ def cross_validated(
     return r, np.array(losses)
 
 
-def _leaving_out(fitted: Fit, problem: Problem, *, refined: bool = True) -> Array:
-    """Change of the scaled parameters (blocks, p) when a block is left out; refined: of refinements, too."""
+def _leaving_out(
+    fitted: Fit, problem: Problem, *, refined: bool = True, damping: float = 0.0
+) -> Array:
+    """Change of the scaled parameters (blocks, p) when a block is left out; refined: of refinements, too.
+
+    damping: share of their curvature by which they are held.
+    """
     catalogue = fitted.model.catalogue
     form = [catalogue[e].parameter(q).optional for e, q in fitted.free]
     inner = ~fitted.at_bound & (refined | ~np.array(form, bool))
@@ -408,7 +415,8 @@ def _leaving_out(fitted: Fit, problem: Problem, *, refined: bool = True) -> Arra
         rows = problem.fold == b
         j, e = j_all[rows], fitted.residual[rows]
         if j.shape[1]:
-            steps[b, inner] = np.linalg.solve(h - j.T @ j + ridge, g - j.T @ e)
+            held = ridge + damping * np.diag(np.diag(h))
+            steps[b, inner] = np.linalg.solve(h - j.T @ j + held, g - j.T @ e)
     return steps
 
 

@@ -186,10 +186,11 @@ class DamperForward:
 
     def input_errors(self, data: Sensed, model: Model, rng: np.random.Generator, m: int) -> Array:
         """Forces along motions that the sensors may have meant, less that along the fused one."""
-        coarse = max(self.longest, COARSE)
-        seen = predict(model, data.motion, data.told, longest=coarse)
+        coarse = replace(self, longest=max(self.longest, COARSE)).begun(data, model)
+        told, longest = coarse._told(data), coarse.longest
+        seen = predict(model, data.motion, told, longest=longest)
         drawings = (drawn(data, rng) for _ in range(m))
-        return np.array([predict(model, d, data.told, longest=coarse) - seen for d in drawings])
+        return np.array([predict(model, d, told, longest=longest) - seen for d in drawings])
 
     def output_errors(
         self, residual: Array, size: float, colour: float, rng: np.random.Generator, m: int
