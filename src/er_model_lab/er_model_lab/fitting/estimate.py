@@ -75,9 +75,10 @@ def secants(
     box: Box, theta: Array, problem: Problem, share: float = SECANTS[0]
 ) -> tuple[Array, Array]:
     """Force (n,) and its derivative (n, p) by scaled parameters, over a share of each value."""
+    near = problem.begun(box.model_at(theta))
 
     def forces(points: Array) -> Array:
-        return problem.predict_many(box.model, box.vectors(points))
+        return near.predict_many(box.model, box.vectors(points))
 
     here = forces(theta[None])[0]
     return here, quotients(forces, theta, steps(box.parameters, theta, share), here)
