@@ -142,6 +142,20 @@ def test_small_steps_take_no_effect_whose_values_the_data_do_not_determine(monke
         assert step.taken is taken
 
 
+@pytest.mark.parametrize(("small", "taken"), [(False, False), (True, True)])
+def test_small_steps_ask_for_less_steadiness(small, taken, monkeypatch):
+    """Gains of two to three standard errors in two blocks of three, of twice the size that counts."""
+    _alone(monkeypatch)
+    gains = np.array([-0.7, 3.6, 5.8, 13.3, -3.3, 8.9, 4.5, 9.0, 13.2, -2.3, -2.4, 2.7]) / 40.0
+    found = leaving(np.full(GATE.size, 2.0 - gains.mean()))
+    found.losses = BEFORE.losses - gains
+    assert 2.0 < search.paired_t(gains) < 3.0
+    problem = SimpleNamespace(train=np.ones(GATE.size, bool), cycles=())
+    null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0), least=0.5 * np.sqrt(gains.mean()))
+    step = search.decided(BEFORE, [found], null, problem, replace(RULE, small_steps=small))
+    assert (step.taken is found) is taken
+
+
 def test_chance_passes_its_threshold_as_often_as_it_is_allowed_to():
     sizes = np.sqrt(np.random.default_rng(3).exponential(2.0, 4096))
     for alarm in (0.3, 0.05, 0.01):

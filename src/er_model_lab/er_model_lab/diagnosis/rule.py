@@ -16,9 +16,9 @@ class Rule:
     false_alarm: rate at which a complete model may be given a missing effect; smallest: size as a share of the
     noise below which no effect is named, however certain: what differs so little may as well be the form of
     another law; helps: share of what is explainable that what is named must explain together; small_steps: as beside
-    effects that explain a part, errors of a motion that is rounded at its reversals are asked for only where they act,
-    and an effect whose values the data do not determine is not taken; barred: effects that are not taken, as held-out
-    data refuse them.
+    effects that explain a part, less steadiness is asked for, errors of a motion that is rounded at its reversals only
+    where they act, and an effect whose values the data do not determine is not taken; barred: effects that are not
+    taken, as held-out data refuse them.
 
     Raises:
         InputError: a rate or a share that is none.

@@ -37,8 +37,9 @@ BEYOND, FAR_BEYOND = 2.5, 3.0
 """Size, over what chance gives, from which on less steadiness is asked of an effect, and of one that is there however
 unevenly its gains are spread. So much must a generalised form gain over its special case, too: the name then rests on
 one number alone."""
-STEADY = 3.0
-"""Paired t of gains over blocks [1] above which chance does not make them: three standard errors."""
+STEADY, LESS_STEADY = 3.0, 2.0
+"""Paired t of gains over blocks [1] above which chance does not make them: three standard errors; and two of them for
+small steps, which held-out data confirm or refuse."""
 NEARLY_ALL, HALF = 0.8, 0.5
 """Shares of blocks that gain: from the first on an effect is steady, below the second it is none, however large."""
 FEW = 3
@@ -87,8 +88,8 @@ def threshold(null: Null, floor: float, rule: Rule = RULE) -> float:
     return max(null.threshold(rule.false_alarm), rule.smallest * floor)
 
 
-def passes(base: Candidate, candidate: Candidate, limit: float) -> bool:
-    """Whether an effect is there: large, and steady over blocks.
+def passes(base: Candidate, candidate: Candidate, limit: float, steady: float = STEADY) -> bool:
+    """Whether an effect is there: large, and steady over blocks; steady: the paired t from which on it is.
 
     The fall must exceed the limit and be positive in half of the blocks at least. It must also be steady: by its
     paired t, or positive in nearly all blocks, or seldom at work and harmless else. The less is asked of that the
@@ -101,8 +102,8 @@ def passes(base: Candidate, candidate: Candidate, limit: float) -> bool:
     gains = base.losses - candidate.losses
     positive = float(np.mean(gains > 0))
     asked = float(np.interp(size / limit, (BEYOND, FAR_BEYOND), (NEARLY_ALL, HALF)))
-    steady = paired_t(gains) > STEADY or seldom(gains, limit)
-    return positive >= (HALF if steady else asked)
+    even = paired_t(gains) > steady or seldom(gains, limit)
+    return positive >= (HALF if even else asked)
 
 
 def seldom(gains: Array, limit: float) -> bool:
@@ -119,9 +120,14 @@ def harmless(gains: Array) -> bool:
     return -float(gains[gains < 0.0].sum()) < HARMLESS * float(gains[gains > 0.0].sum())
 
 
-def there(base: Candidate, candidate: Candidate, problem: Problem, limit: float) -> bool:
+def there(
+    base: Candidate, candidate: Candidate, problem: Problem, limit: float, rule: Rule = RULE
+) -> bool:
     """Whether an effect passes, and not by a few samples alone."""
-    return passes(base, candidate, limit) and not momentary(base, candidate, problem, limit)
+    steady = LESS_STEADY if rule.small_steps else STEADY
+    return passes(base, candidate, limit, steady) and not momentary(
+        base, candidate, problem, limit
+    )
 
 
 def momentary(base: Candidate, candidate: Candidate, problem: Problem, limit: float) -> bool:
@@ -287,14 +293,14 @@ def decided(
     left = np.sqrt(min(candidates[0].mse, base.mse))
     limit = threshold(null, left, rule)
     free = [c for c in candidates if c.name not in rule.barred]
-    able = [c for c in free if there(base, c, problem, limit)]
+    able = [c for c in free if there(base, c, problem, limit, rule)]
     if rule.small_steps and not able and null.least and not problem.cycles:
         bare = replace(null, least=0.0)
         of_noise = threshold(bare, left, rule)
         able = [
             c
             for c in free
-            if there(base, c, problem, of_noise)
+            if there(base, c, problem, of_noise, rule)
             and beyond_motion(base, c, null, problem) > of_noise
         ]
         if able:
