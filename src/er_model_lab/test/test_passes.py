@@ -469,6 +469,14 @@ def test_the_summary_of_a_pass_tells_the_same_and_holds_no_derivatives_but_of_wh
     study = Study(asked(model, problem), found)
     short = summary(study)
     assert entries(short, found.model) == entries(study, found.model)
+    stopped = replace(study, diagnosis=replace(found, interrupted=True))
+    (taken, *others), known = entries(stopped, found.model), entries(study, found.model)
+    assert taken == known[0]
+    assert others
+    for other, sure in zip(others, known[1:], strict=True):
+        values, sds, _ = zip(*other["parameters"].values(), strict=True)
+        assert not np.isfinite(sds).any(), "nobody waits for deviations after an interruption"
+        assert values == tuple(v for v, _, _ in sure["parameters"].values())
     kept = {
         c.name for step in short.diagnosis.rounds for c in step.candidates if c.fit.jacobian.size
     }

@@ -321,7 +321,7 @@ def _keeping(work: Work, left: Model, start: Begun, keep: Keep | None) -> Work:
 
 def _improved(made: _Passes, model: Model, asked: Question) -> DiagnosisResult:
     """The result of several passes as one fall of the error."""
-    studies = made.studies
+    studies = [_as_fitted(s) for s in made.studies] if made.stopped else made.studies
     first, last = studies[0], studies[-1]
     result = result_of("improve", first, model, asked)
     results = [dict(result.view.result), *(_later(s, model, asked) for s in studies[1:])]
