@@ -241,3 +241,36 @@ def test_where_a_beginning_is_looked_for_the_prediction_keeps_its_numbers(steep,
     assert np.isfinite(assumed).all()
     found = predict(model, along, Told(assumed, np.full(along.n, 1e2), 60))
     assert found == pytest.approx(assumed, abs=0.05 * np.abs(assumed).max())
+
+
+REST = 600
+"""Samples of a rest, three seconds."""
+
+
+@pytest.fixture
+def rested():
+    """A motion that ends in the middle, rests, and goes on: motion, duty, and where it goes on."""
+    x, v, a, u = imposed(np.random.default_rng(3), 2400)
+    stop = int(np.argmin(np.abs(v[400:600]))) + 400
+    held = np.concatenate([np.arange(stop), np.full(REST, stop), np.arange(stop, 2400)])
+    still = slice(stop, stop + REST)
+    x, v, a, u = x[held], v[held], a[held], u[held]
+    v[still] = a[still] = 0.0
+    return (x, v, a, u), stop + REST
+
+
+def test_a_rest_at_the_beginning_tells_no_more_the_longer_it_lasts(rested):
+    (x, v, a, u), go = rested
+    friction = {"F_h": 30.0, "F_u": 0.0, "z_y": 5e-4, "b": 1.5e-3}
+    model = load_model(GUO).with_effect("friction_with_play", friction)
+    whole = predict(model, motion(DT, x, v, u, a))
+    found = {}
+    for rest in (40, REST - 50):
+        part = slice(go - rest, None)
+        here = motion(DT, x[part], v[part], u[part], a[part])
+        assumed = predict(model, here)
+        assert np.abs(assumed - whole[part]).max() > 0.5
+        found[rest] = predict(model, here, Told(whole[part], np.full(here.n, 1e2), 60))
+        assert np.std(found[rest] - whole[part]) < 0.2 * np.std(assumed - whole[part])
+    longer, shorter = found[REST - 50][-(found[40].size) :], found[40]
+    assert np.std(longer - shorter) < 0.05 * np.std(assumed[-shorter.size :] - shorter)

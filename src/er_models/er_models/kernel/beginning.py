@@ -38,7 +38,7 @@ from er_models.kernel.imposed import (
     output_delay,
     predict,
 )
-from er_models.kernel.states import AT_ONCE, CAUGHT, ROWS, W
+from er_models.kernel.states import AT_ONCE, CAUGHT, ROWS, R, W
 
 # --- below this line: compiled with the composed equations ---
 BEYOND_MEASURE = 1e100
@@ -56,6 +56,11 @@ STILL = 0.05
 """Share of its way below which a state that is dragged along is not moved by a record."""
 MOVED = 0.02
 """Share of its way by which the beginning of a state must have moved for that."""
+STILL_MOTION, STILL_DUTY = 0.005, 0.02
+"""Shares of the stroke and of the largest duty of a record within which it rests."""
+LONG, RESTS, WATCHED, SETTLING = 200, 0.25, 100, 3
+"""Rows of a rest that need not be run through again, share of its way within which a state rests, rows in which it
+shows whether it does so away from where it settles, and rows until what it moves has come to rest."""
 
 
 @inner
@@ -68,20 +73,45 @@ def way(reach, j):
 
 
 @inner
-def slope(shown, q, left, share, shift, raw):
-    """Make of the run of state q from a share of its way what it adds to the run from where all settle, over the share.
+def slope(shown, settled, left, share, first, shift, raw):
+    """Make of the run (n,) of a state from a share of its way what it adds to the settled run (n,), over the share.
 
-    shown (S + 1, n): runs, the last of them from there; left (n,): how much of the beginning shows. A run that grows
-    beyond measure (a negative field makes a damping negative) tells nothing.
+    Both begin at row `first`, until shortly after which nothing moves; left (n,): how much of the beginning shows. A
+    run that grows beyond measure (a negative field makes a damping negative) tells nothing.
     """
-    settled, n, told = shown.shape[0] - 1, shown.shape[1], True
-    for k in range(n):
-        shown[q, k] = (shown[q, k] - shown[settled, k]) * left[k] / share
-        told = told and abs(shown[q, k]) < BEYOND_MEASURE
+    n, told = shown.shape[0], True
+    for k in range(first, n):
+        shown[k] = (shown[k] - settled[k]) * left[k] / share
+        told = told and abs(shown[k]) < BEYOND_MEASURE
+    rested = first + SETTLING if first > 0 else 0
+    for k in range(rested):
+        shown[k], left[k] = shown[rested], left[rested]
     if not told:
         for k in range(n):
-            shown[q, k] = left[k] = 0.0
-    late(shown[q], shift, raw)
+            shown[k] = left[k] = 0.0
+    late(shown, shift, raw)
+
+
+@inner
+def rest(x, u):
+    """Row with which the rest ends that a record begins with: neither motion nor duty change until there."""
+    low = high = x[0]
+    most = 0.0
+    for k in range(x.shape[0]):
+        low, high, most = min(low, x[k]), max(high, x[k]), max(most, abs(u[k]))
+    for k in range(1, x.shape[0]):
+        if abs(x[k] - x[0]) > STILL_MOTION * (high - low) or abs(u[k] - u[0]) > STILL_DUTY * most:
+            return k - 1
+    return 0
+
+
+@inner
+def rests(own, path, away, n):
+    """First row, of n, from which on a state is on its way."""
+    for k in range(1, n):
+        if abs(path[k, own] - path[1, own]) > RESTS * abs(away):
+            return k - 1
+    return n
 
 
 @inner
@@ -92,9 +122,9 @@ def lies(own, at_rest, s, reach, away, path, n):
     """
     if at_rest[own] != 0 or reach[FASTEST, own] < AT_ONCE:
         return False
-    low = high = path[own, n - 1]
+    low = high = path[n - 1, own]
     for k in range(1, n):
-        low, high = min(low, path[own, k]), max(high, path[own, k])
+        low, high = min(low, path[k, own]), max(high, path[k, own])
     most = max(high - low, abs(s[W, own] - (reach[SETTLED, own] + away)))
     return most < STILL * abs(away)
 
@@ -106,48 +136,112 @@ def looked_for(at_rest, own, hint):
 
 
 @once
+def shifted(
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, own, away, first, shown, left, path
+):  # fmt: skip
+    """Run a state from `away` of where it settles, from row `first` on, in steps of whole samples; how far it shows.
+
+    own: the state; `PLAIN`: none, all settle. left (n,): how much of the beginning shows, nothing where it ends.
+    """
+    # a bare number is a type to Numba: `predict` would be compiled for each
+    n_sub = 1 + 0 * x.shape[0]
+    seen = first + predict(
+        on, slots, links, at_rest, p, dt, x[first:], v[first:], a[first:], u[first:], theta[first:], n_sub, clock, warm,
+        s, shown[first:], reach, own, away, left[first:], path[first:],
+    )  # fmt: skip
+    for k in range(seen, x.shape[0]):
+        shown[k] = left[k] = 0.0
+    return seen
+
+
+@once
+def begins(
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, own, away, still, shown, left, path
+):  # fmt: skip
+    """Row shortly before a state is on its way, be it from where it settles or from `away` of there; else zero.
+
+    still: row until which motion and duty rest. What is dragged along rests never, since it forgets nothing; nor what
+    relaxes, but where friction catches it. Some rows of the rest show whether the runs come together. It must settle
+    there as it did when the record began.
+    """
+    first = rests(own, path, away, still) - SETTLING
+    if first < LONG or reach[FASTEST, own] >= AT_ONCE:
+        return 0
+    seen = shifted(
+        on, slots, links, at_rest, p, dt, x[:WATCHED], v[:WATCHED], a[:WATCHED], u[:WATCHED], theta[:WATCHED], clock,
+        warm, s, reach, own, away, 0 * first, shown, left, path,
+    )  # fmt: skip
+    apart = s[W, own] - path[WATCHED - 1, own]
+    moved = abs(apart - (reach[SETTLED, own] + away - path[1, own])) / abs(away)
+    if seen < WATCHED or moved > RESTS or (at_rest[own] != CAUGHT and s[R, own] > 0.0):
+        return 0
+    shifted(
+        on, slots, links, at_rest, p, dt, x[: first + 1], v[: first + 1], a[: first + 1], u[: first + 1],
+        theta[: first + 1], clock, warm, s, reach, PLAIN + 0 * first, 0.0, first, shown, left, path,
+    )  # fmt: skip
+    return first if abs(s[W, own] - reach[SETTLED, own]) < RESTS * abs(away) else 0
+
+
+@once
 def slopes(
-    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, hint, same, shown, left, near,
-    drawn, raw, path,
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, hint, same, shown, plain, left,
+    near, drawn, first, raw, path,
 ):  # fmt: skip
     """How the force follows the beginning of each state over its way: shown (S, n) [N]; how many rows show it.
 
     States that begin at zero are counted from there. hint (n_states,): shares near which states were found to begin,
-    NaN where nobody knows; same: the last row of shown (S + 1, n) is the run from where all settle already; near (S,):
-    the near ends, and drawn (S,): those that the slopes go to, as shares; path (2 n_states, n): where they were when
-    reach was noted, and their rates; left (S, n), raw (n,): scratch.
+    NaN where nobody knows; same: the last row of shown (S + 1, n) is the run from where all settle already; plain
+    (S, n): that run beside each state, from the row `first` (S,) on from which it rests no longer; near (S,): the near
+    ends, and drawn (S,): those that the slopes go to, as shares; path (n, 2 n_states): where they were when reach was
+    noted, and their rates; left (S, n), raw (n,): scratch.
     """
-    many, n, rows = slots.shape[0], x.shape[0], 0
-    # a bare number is a type to Numba: `predict` would be compiled for each
-    n_sub, plain = 1 + rows, PLAIN + rows
+    many, n, rows, whole = slots.shape[0], x.shape[0], 0, same
+    settled, still = PLAIN + rows, rest(x, u)
     for q in range(many):
-        own, seen, drawn[q] = slots[q], 0, 1.0
+        own, seen, drawn[q], first[q] = slots[q], 0, 1.0, 0
         away, near[q] = way(reach, own)
         anywhere = looked_for(at_rest, own, hint)
         if at_rest[own] == CAUGHT and not anywhere:
             drawn[q] = min(max(hint[own], near[q]), 1.0)
-        if anywhere and near[q] < 0.0:
-            rows = max(rows, predict(
-                on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own,
-                near[q] * away, left[q], path,
-            ))  # fmt: skip
         if (at_rest[own] == 0 or at_rest[own] == CAUGHT) and away != 0.0:
-            seen = predict(
-                on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q], reach, own,
-                drawn[q] * away, left[q], path,
+            first[q] = begins(
+                on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, own, away, still, shown[q],
+                left[q], path,
             )  # fmt: skip
-        if seen > 0 and lies(own, at_rest, s, reach, away, path, n):
-            seen = 0
+            if anywhere and near[q] < 0.0:
+                rows = max(rows, shifted(
+                    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, own, near[q] * away,
+                    first[q], shown[q], left[q], path,
+                ))  # fmt: skip
+            seen = shifted(
+                on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, own, drawn[q] * away,
+                first[q], shown[q], left[q], path,
+            )  # fmt: skip
+        if seen == 0 or lies(own, at_rest, s, reach, away, path, n):
+            seen = first[q] = 0
         for k in range(seen, n):
             shown[q, k] = left[q, k] = 0.0
         rows = max(rows, seen)
-    if rows and not same:
-        predict(
-            on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], n_sub, clock, warm,
-            s, shown[many], reach, plain, 0.0, raw, path,
-        )  # fmt: skip
     for q in range(many):
-        slope(shown[:, :rows], q, left[q], drawn[q], shift, raw[:rows])
+        if left[q, first[q]] == 0.0:
+            continue
+        if first[q] == 0 and not whole:
+            shifted(
+                on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], clock, warm, s,
+                reach, settled, 0.0, first[q], shown[many, :rows], raw, path,
+            )  # fmt: skip
+            whole = True
+        if first[q] > 0:
+            shifted(
+                on, slots, links, at_rest, p, dt, x[:rows], v[:rows], a[:rows], u[:rows], theta[:rows], clock, warm, s,
+                reach, settled, 0.0, first[q], plain[q, :rows], raw, path,
+            )  # fmt: skip
+        else:
+            for k in range(rows):
+                plain[q, k] = shown[many, k]
+        slope(
+            shown[q, :rows], plain[q, :rows], left[q, :rows], drawn[q], first[q], shift, raw[:rows]
+        )
     return rows
 
 
@@ -186,26 +280,24 @@ def stays(to, drawn):
 
 @once
 def chord(
-    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q, to, raw, path
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, plain, left, first, q, to,
+    raw, path,
 ):  # fmt: skip
     """Draw into `shown` the chord of state q to the share `to` of its way, over the rows of the motion."""
-    n, n_sub = x.shape[0], 1 + 0 * x.shape[0]
-    away, _ = way(reach, slots[q])
-    seen = predict(
-        on, slots, links, at_rest, p, dt, x, v, a, u, theta, n_sub, clock, warm, s, shown[q, :n], reach, slots[q],
-        to * away, left[q, :n], path,
+    n, (away, _) = x.shape[0], way(reach, slots[q])
+    shifted(
+        on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, slots[q], to * away, first[q],
+        shown[q, :n], left[q, :n], path,
     )  # fmt: skip
-    for k in range(seen, n):
-        shown[q, k] = left[q, k] = 0.0
-    slope(shown[:, :n], q, left[q, :n], to, shift, raw[:n])
+    slope(shown[q, :n], plain[q, :n], left[q, :n], to, first[q], shift, raw[:n])
 
 
 @inner
 def crossed(path, own, away, n):
     """Rows of a record of n in which a state goes through as much as its way, from where all settle."""
-    low = high = path[own, min(1, n - 1)]
+    low = high = path[min(1, n - 1), own]
     for k in range(1, n):
-        low, high = min(low, path[own, k]), max(high, path[own, k])
+        low, high = min(low, path[k, own]), max(high, path[k, own])
         if high - low >= abs(away):
             return k + 1
     return n
@@ -213,8 +305,8 @@ def crossed(path, own, away, n):
 
 @once
 def looked(
-    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q, near, share, raw,
-    path, error, weight, best,
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, plain, left, first, q,
+    near, share, raw, path, error, weight, best,
 ):  # fmt: skip
     """Put into best (2, S) about where a state that may be caught anywhere begins, and what that leaves.
 
@@ -230,7 +322,7 @@ def looked(
             continue
         chord(
             on, slots, links, at_rest, p, dt, x[:n], v[:n], a[:n], u[:n], theta[:n], clock, warm, s, reach, shift,
-            shown, left, q, share[q], raw, path,
+            shown, plain, left, first, q, share[q], raw, path,
         )  # fmt: skip
         over = missed(error[:n], weight, shown, share, q)
         if over < best[1, q]:
@@ -239,13 +331,13 @@ def looked(
 
 @once
 def chords(
-    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, hint, shown, left, near, share,
-    drawn, raw, path, error, weight, best, redrawn,
+    on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, hint, shown, plain, left, near,
+    share, drawn, first, raw, path, error, weight, best, redrawn,
 ):  # fmt: skip
     """Draw into `shown` the chord of each state that follows no straight line; whether any was drawn anew.
 
     share (S,): the shares of the ways that the chords go to; drawn (S,): those that they went to before. Motion: of the
-    rows that show; the last row of `shown` is the run from where all settle. best (2, S): share of the run that left
+    rows that show; plain (S, n), first (S,): as in `slopes`. best (2, S): share of the run that left
     least, and what that left. A gap has a valley on each side: of what is `CAUGHT` several shares are looked at first
     where there is no hint, and after the last turn a share that has not come to rest is that of the best run.
     """
@@ -259,15 +351,15 @@ def chords(
         if redrawn > last or (redrawn == last and not catches):
             share[q] = stays(to, drawn[q]) if redrawn > last else to
             continue
-        first = redrawn == 0 and catches
-        if first and anywhere:
+        fresh = redrawn == 0 and catches
+        if fresh and anywhere:
             looked(
-                on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q, near,
-                share, raw, path, error, weight, best,
+                on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, plain, left,
+                first, q, near, share, raw, path, error, weight, best,
             )  # fmt: skip
             # its chord was drawn over the first rows only; one to nowhere has no slope
             drawn[q], to = math.nan, best[0, q] if abs(best[0, q]) >= MOVED else MOVED
-        elif first:
+        elif fresh:
             share[q] = best[0, q] = drawn[q]
             best[1, q] = missed(error, weight, shown, share, q)
         elif redrawn == last and abs(to - drawn[q]) >= MOVED:
@@ -276,13 +368,13 @@ def chords(
         if abs(to) < MOVED or abs(to - drawn[q]) < MOVED:
             continue
         chord(
-            on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, left, q, to, raw,
-            path,
+            on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, shift, shown, plain, left,
+            first, q, to, raw, path,
         )  # fmt: skip
         drawn[q], anew = to, True
         if catches:
             over = missed(error, weight, shown, share, q)
-            if over < best[1, q] or (first and anywhere):
+            if over < best[1, q] or (fresh and anywhere):
                 best[0, q], best[1, q] = to, over
     return anew
 
@@ -333,12 +425,13 @@ def begun_rows(
     """
     many, n = slots.shape[0], x.shape[0]
     noted = NOTED + 0 * n
-    s, reach = np.empty((ROWS, at_rest.shape[0])), np.empty((4, at_rest.shape[0]))
-    shown, left, sums = np.empty((many + 1, n)), np.empty((many, n)), np.empty((many, many + 1))
+    s, reach = np.empty((ROWS, at_rest.shape[0])), np.empty((5, at_rest.shape[0]))
+    shown, plain, left = np.empty((many + 1, n)), np.empty((many, n)), np.empty((many, n))
     near, share, drawn, best = np.empty(many), np.empty(many), np.empty(many), np.empty((2, many))
+    first, sums = np.empty(many, np.int64), np.empty((many, many + 1))
     raw, error = np.empty(n), np.empty(n)
     records, warm = starts.shape[0] - 1, np.empty(at_rest.shape[0])
-    ends, path = np.empty((records, 2, at_rest.shape[0])), np.empty((2 * at_rest.shape[0], n))
+    ends, path = np.empty((records, 2, at_rest.shape[0])), np.empty((n, 2 * at_rest.shape[0]))
     for k in range(ps.shape[0]):
         p, force = ps[k], forces[k]
         shift, spent[k] = output_delay(on, p) / dt, 0.0
@@ -358,7 +451,7 @@ def begun_rows(
             late(f_r, shift, raw[i:j])
             rows = slopes(
                 on, slots, links, at_rest, p, dt, x_r, v_r, a_r, u_r, theta_r, clock, warm, s, reach, shift,
-                hints[r], n_sub == 1, shown, left, near, drawn, raw, path,
+                hints[r], n_sub == 1, shown, plain, left, near, drawn, first, raw, path,
             )  # fmt: skip
             for row in range(rows):
                 error[row] = measured[i + row] - f_r[row]
@@ -368,8 +461,8 @@ def begun_rows(
                 shares(sums, near, share)
                 if not chords(
                     on, slots, links, at_rest, p, dt, x_r[:rows], v_r[:rows], a_r[:rows], u_r[:rows], theta_r[:rows],
-                    clock, warm, s, reach, shift, hints[r], shown[:, :rows], left, near, share, drawn, raw[:rows], path,
-                    error[:rows], weight[i:j], best, redrawn,
+                    clock, warm, s, reach, shift, hints[r], shown, plain, left, near, share, drawn, first,
+                    raw[:rows], path, error[:rows], weight[i:j], best, redrawn,
                 ):  # fmt: skip
                     break
             spent[k] += told

@@ -50,9 +50,9 @@ FADED = 7.0
 TURN, BEFORE, PAUSE, CLOCK = range(4)
 """Columns of a course (m, 4): which record comes when; of each record the one before it, -1: none, the pause since
 that one's end and the time since the first of them began [s]."""
-LEAST, MOST, SETTLED, FASTEST = range(4)
-"""Rows of the reach of each state (4, n_states): ends of where it and its equilibria are, where it settled, and its
-largest rate [1/s]."""
+LEAST, MOST, SETTLED, FASTEST, STOP = range(5)
+"""Rows of the reach of each state (5, n_states): ends of where it and its equilibria are, where it settled, its
+largest rate [1/s], and how far from zero a bound lets it be."""
 ASIDE = 1e6
 """Where a state is put to see what drags it back, in its own unit: beyond whatever it can be."""
 NOTED, PLAIN = -1, -2
@@ -94,6 +94,7 @@ def reached(slots, at_rest, s, slowest, reach):
         j = slots[i]
         free = at_rest[j] == CAUGHT or (s[G, j] == 0.0 and s[R, j] == 0.0)
         goal = s[W, j] if free else s[G, j] / max(s[R, j], slowest)
+        goal = min(max(goal, -reach[STOP, j]), reach[STOP, j])
         reach[LEAST, j] = min(reach[LEAST, j], s[W, j], goal)
         reach[MOST, j] = max(reach[MOST, j], s[W, j], goal)
         reach[FASTEST, j] = max(reach[FASTEST, j], s[R, j])
@@ -103,7 +104,8 @@ def reached(slots, at_rest, s, slowest, reach):
 def dragged(on, slots, links, at_rest, p, s, reach, clock, x, v, a, u, theta):
     """Widen the reach of each state that is dragged along to both ends of the band in which nothing drags it.
 
-    It settles at one of them; what was before the record may have left it anywhere between. Neither where the other
+    It settles at one of them; what was before the record may have left it anywhere between. Of others the bound is
+    noted that keeps them from there. Neither where the other
     states are nor what their search has learnt stays of these looks, which may end beyond all measure.
     """
     for j in range(s.shape[1]):
@@ -119,6 +121,8 @@ def dragged(on, slots, links, at_rest, p, s, reach, clock, x, v, a, u, theta):
             if s[R, j] >= AT_ONCE and abs(s[W, j]) < ASIDE:
                 reach[LEAST, j] = min(reach[LEAST, j], s[W, j])
                 reach[MOST, j] = max(reach[MOST, j], s[W, j])
+            elif abs(s[W, j]) < ASIDE:
+                reach[STOP, j] = abs(s[W, j])
             for other in range(s.shape[1]):
                 s[W, other], s[SLOPE, other] = s[DECAY, other], s[ONE, other]
         s[W0, j] = settled
@@ -148,7 +152,7 @@ def start(on, slots, links, at_rest, p, s, reach, own, away, clock, warm, x, v, 
         for j in range(reach.shape[1]):
             for i in range(FASTEST):
                 reach[i, j] = s[W, j]
-            reach[FASTEST, j] = 0.0
+            reach[FASTEST, j], reach[STOP, j] = 0.0, math.inf
         dragged(on, slots, links, at_rest, p, s, reach, clock, x, v, a, u, theta)
     return f_m
 
@@ -164,7 +168,7 @@ def predict(
     to 0), or until it is where it was when `path` was noted: both came to the same bound, and where they began is
     forgotten. It fades as fast as the slower of both runs: a contact forgets, a gap that is open does not, nor does
     what both drag along, each at an end of its band. What is `CAUGHT` fades as both runs come together: its rate leaves
-    out the friction. `NOTED`: none, and the reach (4, n_states) and path (2 n_states, n: states, then rates) of each
+    out the friction. `NOTED`: none, and the reach (5, n_states) and path (n, 2 n_states: states, then rates) of each
     state are noted; `PLAIN`: none.
     """
     n, step = x.shape[0], dt / n_sub
@@ -201,17 +205,17 @@ def predict(
             if own == NOTED:
                 reached(slots, at_rest, s, 1.0 / (n * dt), reach)
                 for i in range(slots.shape[0]):
-                    path[slots[i], m] = s[W, slots[i]]
-                    path[slots[i] + s.shape[1], m] = s[R, slots[i]]
+                    path[m, slots[i]] = s[W, slots[i]]
+                    path[m, slots[i] + s.shape[1]] = s[R, slots[i]]
             if own < 0:
                 continue
             if at_rest[own] == CAUGHT:
-                apart = abs((s[W, own] - path[own, m]) / away)
+                apart = abs((s[W, own] - path[m, own]) / away)
                 faded = max(faded, -math.log(apart)) if apart > 0.0 else FADED
             else:
-                slower = min(s[R, own], path[own + s.shape[1], m])
+                slower = min(s[R, own], path[m, own + s.shape[1]])
                 faded += dt * slower if slower < AT_ONCE else 0.0
-            if not faded < FADED or s[W, own] == path[own, m]:
+            if not faded < FADED or s[W, own] == path[m, own]:
                 return m
             left[m] = min(FADED - faded, 1.0)
     return n
