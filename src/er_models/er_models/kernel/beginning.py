@@ -8,7 +8,8 @@ whole sample, for as long as that shows: a few time constants of the state, or u
 The shares of all ways that meet the measured force best are those of least squares. A state that is dragged along
 (`remanence`), or that a contact or the friction behind a joint may catch anywhere (`freeplay`, `friction_with_play`),
 follows no straight line: it is run again from where it was found to begin, and the slope is that of the chord to there,
-until both agree. A gap has more than one valley, so that several beginnings are looked at first.
+until both agree. A gap has more than one valley, so that several beginnings are looked at first. A long rest before the
+motion begins is not run through again for these: nothing moves in it, and its force shows the beginning throughout.
 
 Source: separable least squares, Golub and Pereyra 1973.
 
