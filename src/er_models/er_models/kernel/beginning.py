@@ -84,7 +84,7 @@ def slope(shown, settled, left, share, first, shift, raw):
     for k in range(first, n):
         shown[k] = (shown[k] - settled[k]) * left[k] / share
         told = told and abs(shown[k]) < BEYOND_MEASURE
-    rested = first + SETTLING if first > 0 else 0
+    rested = min(first + SETTLING, n - 1) if first > 0 else 0
     for k in range(rested):
         shown[k], left[k] = shown[rested], left[rested]
     if not told:
