@@ -44,14 +44,14 @@ def unseen(candidate: Candidate, problem: Problem) -> bool:
     return still and (follows or effect.stage == "actuation")
 
 
-def _endless(fitted: Fit) -> list[tuple[str, str]]:
-    """Values of form that stand at their upper bounds."""
-    catalogue, found = fitted.model.catalogue, []
+def _endless(fitted: Fit) -> set[str]:
+    """Effects of which a value of form stands at its upper bound."""
+    catalogue, found = fitted.model.catalogue, set[str]()
     for k in np.flatnonzero(fitted.at_bound):
         effect, name = fitted.free[k]
         q = catalogue[effect].parameter(name)
         if q.neutral is None and not q.optional and fitted.theta[k] >= q.high * (1.0 - 1e-9):
-            found.append(fitted.free[k])
+            found.add(effect)
     return found
 
 
@@ -65,7 +65,7 @@ def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
     """
     if not best.effects:
         return ()
-    model, fitted, found = best.fit.model, best.fit, []
+    model, fitted, found = best.fit.model, best.fit, list[str]()
     strength = {
         (name, q.name): q.neutral
         for name in best.effects
@@ -74,10 +74,11 @@ def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
     }
     form = np.array([e in best.effects and (e, p) not in strength for e, p in fitted.free])
     given = replace(fitted, at_bound=fitted.at_bound | form)
-    endless = {e for e, p in _endless(fitted) if e in best.effects}
+    endless = _endless(fitted)
     deviations = standard_deviations(given, problem)
     for name in best.effects:
-        clear, found = [], found + [name] * (name in endless)
+        clear = []
+        found += [name] if name in endless else []
         for place, at_bound, sd in zip(fitted.free, fitted.at_bound, deviations, strict=True):
             if place[0] == name and place in strength:
                 off = abs(model.value(*place) - strength[place])

@@ -146,7 +146,7 @@ class DamperForward:
         coarse = replace(self, longest=longest, beside=None)
         return replace(coarse, beside=rows - coarse.predict(data, model))
 
-    def begun(self, data: Sensed, model: Model) -> Forward:
+    def begun(self, data: Sensed, model: Model) -> DamperForward:
         """The same, without a look for where what a contact may catch begins; exact at the model."""
         found = caught(model, data.motion, self._told(data), longest=self.longest)
         if found is None:

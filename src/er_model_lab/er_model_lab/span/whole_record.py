@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from er_model_lab.motion.drift import without_drift
 from er_model_lab.motion.fuse import WITHOUT_A, Channels, Noise, channels_of, fuse
 from er_model_lab.motion.noise_levels import adapt
-from er_model_lab.problem.forward import DamperForward, Forward, Past
+from er_model_lab.problem.forward import DamperForward, Past
 from er_model_lab.problem.held_out import telling
 from er_model_lab.problem.motion_error import Sensed
 from er_model_lab.problem.prepare import (
@@ -76,7 +76,7 @@ class LongForward(DamperForward):
             out[k : k + AT_ONCE] = forces[:, self.whole.rows]
         return self._complete(out)
 
-    def begun(self, data: Sensed, model: Model) -> Forward:
+    def begun(self, data: Sensed, model: Model) -> DamperForward:
         """The same for stretches; itself where something acts along whole records."""
         return self if remembers(model) else super().begun(data, model)
 
