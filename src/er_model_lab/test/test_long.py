@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -188,11 +189,9 @@ def test_a_record_left_out_is_predicted_from_the_others():
     problem = prepare(data)
     base = baseline(model.with_effect("preload", {"F_0": 0.1}), problem)
 
-    class Found:
-        best = base
-
-    Found.base = base
-    found = {e["record"]: e for e in by_record(Found, problem, data)}
+    found = SimpleNamespace(best=base, base=base, interrupted=False)
+    whole, told = found, by_record(found, problem, data)
+    found = {e["record"]: e for e in told}
     assert set(found) == {"a", "b", "odd"}
     rest = np.repeat([True, True, False], 4000) & problem.used
     alone = fit(base.fit.model, problem_of_rows(problem, rest))
@@ -201,7 +200,26 @@ def test_a_record_left_out_is_predicted_from_the_others():
     assert found["odd"]["rmse_left_out"] == pytest.approx(truly, rel=0.02)
     assert found["odd"]["rmse_left_out"] > 1.2 * found["odd"]["rmse_after"]
     first = Dataset.of(records[:1])
-    assert by_record(Found, prepare(first), first) == []
+    assert by_record(whole, prepare(first), first) == []
+
+
+def test_after_an_interruption_records_are_left_out_in_a_straight_line_alone(monkeypatch):
+    """It takes a moment, where predictions without each record take seconds."""
+    model = load_model(GUO).with_effect("preload", {"F_0": 0.1})
+    data = Dataset.of([made(8.0, seed=k, name=name) for k, name in enumerate("abc")])
+    problem, asked = prepare(data), []
+    base = baseline(model, problem)
+
+    def cross_validated(fitted, problem, *, straight):
+        asked.append(straight)
+        return fitted.residual, None
+
+    monkeypatch.setattr("er_model_lab.results.by_record.cross_validated", cross_validated)
+    for interrupted in (False, True):
+        by_record(SimpleNamespace(best=base, base=base, interrupted=interrupted), problem, data)
+    found = SimpleNamespace(best=base, base=base, interrupted=False)
+    by_record(found, problem, data, straight=True)
+    assert asked == [False, True, True]
 
 
 @pytest.mark.parametrize(

@@ -21,11 +21,13 @@ BAND = 0.05
 """Share [1] by which the error of a record may grow and still counts as the same."""
 
 
-def by_record(found: Diagnosis, problem: Problem, data: Dataset) -> list[dict[str, Any]]:
+def by_record(
+    found: Diagnosis, problem: Problem, data: Dataset, *, straight: bool = False
+) -> list[dict[str, Any]]:
     """Error [N] of each record: before, after, and after with the parameters that the other records give.
 
     The samples that were held out count as well. `rms_force` is what predicting nothing leaves. Empty for fewer than
-    three records.
+    three records. straight: a straight line is enough, as after an interruption, when nobody waits for more.
     """
     place = _record_of(problem, data)
     names, used = data.originals, problem.used
@@ -34,7 +36,8 @@ def by_record(found: Diagnosis, problem: Problem, data: Dataset) -> list[dict[st
         return []
     fold = np.where(used, np.searchsorted(known, place), -1)
     everything = replace(problem, fold=fold, held_out=np.zeros_like(used))
-    left_out, _ = cross_validated(found.best.fit, everything)
+    quick = straight or found.interrupted
+    left_out, _ = cross_validated(found.best.fit, everything, straight=quick)
     left = {
         "rmse_before": found.base.fit.residual, "rmse_after": found.best.fit.residual, "rmse_left_out": left_out,
     }  # fmt: skip

@@ -324,7 +324,8 @@ def _improved(made: _Passes, model: Model, asked: Question) -> DiagnosisResult:
     studies = [_as_fitted(s) for s in made.studies] if made.stopped else made.studies
     first, last = studies[0], studies[-1]
     result = result_of("improve", first, model, asked)
-    results = [dict(result.view.result), *(_later(s, model, asked) for s in studies[1:])]
+    results = [dict(result.view.result)]
+    results += [_later(s, model, asked, straight=_told_later(s, last)) for s in studies[1:]]
     if not _same_data(first, last):
         # one fall is told on one data set: that of the last pass
         for content, study in zip(results[:-1], studies[:-1], strict=True):
@@ -383,10 +384,15 @@ def _before(first: Study, last: Study) -> Array:
     return np.asarray(last.problem.force - left_of(first, first.diagnosis.base.fit, on))
 
 
-def _later(study: Study, model: Model, asked: Question) -> dict[str, Any]:
-    """The content of a pass after the first."""
+def _told_later(study: Study, last: Study) -> bool:
+    """Whether what a pass left of each record is told by the last one anyway."""
+    return study is not last and _same_data(study, last)
+
+
+def _later(study: Study, model: Model, asked: Question, *, straight: bool) -> dict[str, Any]:
+    """The content of a pass after the first; straight: see `by_record`."""
     told = diagnosis_json(study, model) | dict(asked.level.particulars(study))
-    told["by_record"] = by_record(study.diagnosis, study.problem, study.data)
+    told["by_record"] = by_record(study.diagnosis, study.problem, study.data, straight=straight)
     if study.checked is not None:
         told["long"] = study.checked.as_json(again=study.again)
     found: dict[str, Any] = clean(told)
