@@ -70,6 +70,18 @@ def test_an_elastic_way_without_end_is_not_determined(bound, undetermined):
     assert (place[0] in loose(replace(friction, fit=edge), problem)) is undetermined
 
 
+@pytest.mark.parametrize("bound", ["high", "low"])
+def test_a_place_at_either_bound_is_not_determined(bound):
+    """A friction that grows from a place far beyond the stroke on is one that does not grow."""
+    model, problem = problem_of("coulomb_friction", {"F_c": 2.0}, seconds=12.0)
+    friction = refit(baseline(model, problem), model.catalogue["load_friction"], problem)
+    at = friction.fit.free.index(("load_friction", "x_c"))
+    theta = friction.fit.theta.copy()
+    theta[at] = getattr(model.catalogue["load_friction"].parameter("x_c"), bound)
+    edge = replace(friction.fit, theta=theta, at_bound=np.arange(theta.size) == at)
+    assert "load_friction" in loose(replace(friction, fit=edge), problem)
+
+
 def test_a_refinement_at_its_bound_is_determined():
     """A void that takes the pressure at once, as that of vapour does: an answer, not an impossible value."""
     hidden = {"F_v": 8.0, "r": 0.0, "w_s": 2e-4, "s_y": 0.0, "n_g": 30.0}

@@ -45,12 +45,12 @@ def unseen(candidate: Candidate, problem: Problem) -> bool:
 
 
 def _endless(fitted: Fit) -> set[str]:
-    """Effects of which a value of form stands at its upper bound."""
+    """Effects of which a value of form stands at its upper bound, or at a lower one below zero."""
     catalogue, found = fitted.model.catalogue, set[str]()
     for k in np.flatnonzero(fitted.at_bound):
         effect, name = fitted.free[k]
         q = catalogue[effect].parameter(name)
-        if q.neutral is None and not q.optional and fitted.theta[k] >= q.high * (1.0 - 1e-9):
+        if q.neutral is None and not q.optional and (q.low < 0.0 or fitted.theta[k] > q.low):
             found.add(effect)
     return found
 
@@ -59,9 +59,9 @@ def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
     """Effects of a model whose values the data do not determine.
 
     A strength stands at a bound other than doing nothing, or none of them is clear of that; or a value of form, which
-    is nothing at no value, stands at its upper one: an elastic way as long as the stroke never comes to its end. At
-    its lower one it may stand, and refinements at either, and they are taken as they are: that friction turns at once,
-    or a void never refills, is an answer.
+    is nothing at no value, stands at its upper one, or at a lower one below zero: an elastic way as long as the stroke
+    never comes to its end. At a lower one of zero or above it may stand, and refinements at either, and they are taken
+    as they are: that friction turns at once, or a void never refills, is an answer.
     """
     if not best.effects:
         return ()
