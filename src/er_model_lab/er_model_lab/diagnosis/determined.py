@@ -46,11 +46,13 @@ def unseen(candidate: Candidate, problem: Problem) -> bool:
 
 def _endless(fitted: Fit) -> set[str]:
     """Effects of which a value of form stands at its upper bound, or at a lower one below zero."""
-    catalogue, found = fitted.model.catalogue, set[str]()
+    found = set[str]()
     for k in np.flatnonzero(fitted.at_bound):
         effect, name = fitted.free[k]
-        q = catalogue[effect].parameter(name)
-        if q.neutral is None and not q.optional and (q.low < 0.0 or fitted.theta[k] > q.low):
+        q = fitted.model.catalogue[effect].parameter(name)
+        # a fit ends at a bound but for the last digits
+        upper = 2.0 * fitted.theta[k] > q.low + q.high
+        if q.neutral is None and not q.optional and (upper or q.low < 0.0):
             found.add(effect)
     return found
 
@@ -74,15 +76,13 @@ def loose(best: Candidate, problem: Problem) -> tuple[str, ...]:
     }
     form = np.array([e in best.effects and (e, p) not in strength for e, p in fitted.free])
     given = replace(fitted, at_bound=fitted.at_bound | form)
-    endless = _endless(fitted)
-    deviations = standard_deviations(given, problem)
+    endless, deviations = _endless(fitted), standard_deviations(given, problem)
     for name in best.effects:
-        clear = []
-        found += [name] if name in endless else []
+        clear, at_end = [], name in endless
         for place, at_bound, sd in zip(fitted.free, fitted.at_bound, deviations, strict=True):
             if place[0] == name and place in strength:
                 off = abs(model.value(*place) - strength[place])
                 clear.append(off > CLEAR * sd)
                 found += [name] if at_bound and off else []
-        found += [name] if clear and not any(clear) else []
+        found += [name] if at_end or (clear and not any(clear)) else []
     return tuple(dict.fromkeys(found))

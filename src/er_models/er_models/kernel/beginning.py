@@ -338,9 +338,9 @@ def chords(
     """Draw into `shown` the chord of each state that follows no straight line; whether any was drawn anew.
 
     share (S,): the shares of the ways that the chords go to; drawn (S,): those that they went to before. Motion: of the
-    rows that show; plain (S, n), first (S,): as in `slopes`. best (2, S): share of the run that left
-    least, and what that left. A gap has a valley on each side: of what is `CAUGHT` several shares are looked at first
-    where there is no hint, and after the last turn a share that has not come to rest is that of the best run.
+    rows that show; plain (S, n), first (S,): as in `slopes`. best (2, S): share of the run that left least, and what
+    that left. A gap has a valley on each side: of what is `CAUGHT` several shares are looked at first where there is no
+    hint, and after the last turn a share that has not come to rest is that of the best run.
     """
     anew = False
     for q in range(slots.shape[0]):

@@ -105,8 +105,8 @@ def dragged(on, slots, links, at_rest, p, s, reach, clock, x, v, a, u, theta):
     """Widen the reach of each state that is dragged along to both ends of the band in which nothing drags it.
 
     It settles at one of them; what was before the record may have left it anywhere between. Of others the bound is
-    noted that keeps them from there. Neither where the other
-    states are nor what their search has learnt stays of these looks, which may end beyond all measure.
+    noted that keeps them from there. Neither where the other states are nor what their search has learnt stays of these
+    looks, which may end beyond all measure.
     """
     for j in range(s.shape[1]):
         s[DECAY, j], s[ONE, j], s[Z, j] = s[W, j], s[SLOPE, j], math.nan
