@@ -409,13 +409,13 @@ def _leaving_out(
     j_all, train = fitted.jacobian[:, inner], problem.train
     h = j_all[train].T @ j_all[train]
     ridge = 1e-10 * np.trace(h) / max(h.shape[0], 1) * np.eye(h.shape[0])
+    held = ridge + damping * np.diag(np.diag(h))
     g = j_all[train].T @ fitted.residual[train]
     steps = np.zeros((int(problem.fold.max()) + 1, inner.size))
     for b in range(steps.shape[0]):
         rows = problem.fold == b
         j, e = j_all[rows], fitted.residual[rows]
         if j.shape[1]:
-            held = ridge + damping * np.diag(np.diag(h))
             steps[b, inner] = np.linalg.solve(h - j.T @ j + held, g - j.T @ e)
     return steps
 
