@@ -17,7 +17,7 @@ from er_models.one_line import OneLine
 
 from er_studies.bench.fleet.cluster import simulated
 from er_studies.bench.fleet.data import fleet
-from er_studies.bench.fleet.measure import Line, client, compared, costs, recorded
+from er_studies.bench.fleet.measure import client, compared, costs, recorded
 from er_studies.bench.machine import machine
 
 PARTS = {
@@ -66,12 +66,14 @@ def main(arguments: list[str] | None = None) -> None:
 
 def workers(data: Path, model: Model, *, search: bool) -> Iterator[dict[str, Any]]:
     """Lines of the loop and of one and two workers, with ratios to the loop and to one worker."""
-    found: list[Line] = []
-    for line in compared(data, model, (0, 1, 2), search=search):
-        found.append(line)
+    found = compared(
+        data, model, (0, 1, 2), search=search, said=lambda line: sys.stderr.write(f"{line}\n")
+    )
+    loop, one, _ = found
+    for line in found:
         yield {
-            **asdict(line), "overhead": line.processor / found[0].processor - 1.0,
-            "faster": found[min(1, len(found) - 1)].wall / line.wall,
+            **asdict(line), "overhead": line.processor / loop.processor - 1.0,
+            "faster": one.wall / line.wall,
         }  # fmt: skip
 
 

@@ -97,26 +97,50 @@ class Answers(Executor):
         return done
 
 
-def compared(data: Path, model: Model, workers: Sequence[int], *, search: bool) -> Iterator[Line]:
+def compared(
+    data: Path, model: Model, workers: Sequence[int], *, search: bool, said: Callable[[str], Any]
+) -> list[Line]:
     """The fleet in a plain loop (0 workers), and by so many workers of Dask; each in a folder of its own.
 
-    The loop runs in a process with one thread, as each worker has; its start is not counted.
+    Each does half of the units in this order and the other half in the opposite one: a machine whose speed drifts
+    favours none. The loop runs in a process with one thread, as each worker has; its start is not counted. said: hears
+    a line for each half.
     """
-    for number in workers:
-        if number:
-            yield _line(data, model, number, search=search)
-            continue
-        with ProcessPoolExecutor(1, env=ONE) as pool:
-            yield pool.submit(_line, data, model, 0, search=search).result()
+    units = sorted(data.glob("unit*"))
+    halves = [half for half in (units[::2], units[1::2]) if half]
+    found: dict[int, list[Line]] = {number: [] for number in workers}
+    for k, half in enumerate(halves):
+        for number in workers[:: -1 if k % 2 else 1]:
+            line = _alone(half, model, number, search=search)
+            said(f"{line.what}, {len(half)} units: {line.wall:.1f} s")
+            found[number].append(line)
+    return [_sum(lines) for lines in found.values()]
 
 
-def _line(data: Path, model: Model, number: int, *, search: bool) -> Line:
+def _alone(units: Sequence[Path], model: Model, number: int, *, search: bool) -> Line:
+    """One run: by workers, or as a loop in a process of its own."""
+    if number:
+        return _line(units, model, number, search=search)
+    with ProcessPoolExecutor(1, env=ONE) as pool:
+        found: Line = pool.submit(_line, units, model, 0, search=search).result()
+    return found
+
+
+def _sum(lines: Sequence[Line]) -> Line:
+    """Runs that did a part each, as one."""
+    return Line(
+        lines[0].what, sum(r.wall for r in lines), sum(r.processor for r in lines), max(r.first for r in lines),
+        max(r.last for r in lines), max(r.client for r in lines), "; ".join(r.found for r in lines),
+    )  # fmt: skip
+
+
+def _line(units: Sequence[Path], model: Model, number: int, *, search: bool) -> Line:
     """One run in this process, with so many workers or none."""
     executor = None if number else Loop()
     with tempfile.TemporaryDirectory() as place, _memory() as seen:
         before, begun = _processor(), time.perf_counter()
         result = fleet(
-            data, model, out=Path(place) / "fleet.parquet", search=search, workers=number or 1,
+            units, model, out=Path(place) / "fleet.parquet", search=search, workers=number or 1,
             executor=executor,
         )  # fmt: skip
         wall, used = time.perf_counter() - begun, _processor() - before
