@@ -23,6 +23,12 @@ TABLES: Tables = {
         "drives with a fault",
     ),
     **_run(
+        "fault_statistics_200",
+        'fault_statistics healthy "f1 = 0.5" "f2 = 0.6" "f3 = 0.6" --number 200 --seed 3',
+        "two hundred drives without a fault",
+        "two hundred drives with a fault",
+    ),
+    **_run(
         "fault_trials",
         "fault_trials --number 30 --seed 2",
         "fault trials",

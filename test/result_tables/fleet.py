@@ -43,13 +43,48 @@ def _wanted(low: float, high: float) -> str:
     return f"at most {100 * high:g} %" if low == 0.0 else f"{100 * low:g} to {100 * high:g} %"
 
 
+def workers(values: dict[str, Any]) -> str:
+    """Times and memory of the loop and of the workers, with what they are held to."""
+    head = [
+        "200 units",
+        "time",
+        "processor time",
+        "largest worker, first and last third",
+        "client",
+        "",
+    ]
+    rows = [
+        [
+            line["what"], f"{line['wall']:.0f} s", f"{line['processor']:.0f} s",
+            f"{line['first']:.0f}, {line['last']:.0f} MB" if line["last"] else "", f"{line['client']:.0f} MB", said,
+        ]
+        for line, said in zip(values["workers"], _held(*values["workers"]), strict=True)
+    ]  # fmt: skip
+    return table(head, rows)
+
+
+def _held(_: dict[str, Any], one: dict[str, Any], two: dict[str, Any]) -> tuple[str, str, str]:
+    """What is said of the loop, of one worker and of two."""
+    more = f"{100 * one['overhead']:.1f} % more processor time than the loop (at most 5)"
+    return "", more, f"{two['faster']:.2f} times faster than one (at least 1.85)"
+
+
+BENCH = (*SCORE.decides, "src/er_studies/er_studies/bench/fleet")
+WORKERS = Run(
+    "bench_workers",
+    "bench fleet workers",
+    "fleet.md",
+    BENCH,
+    lambda written: {"workers": written["workers"]},
+)
 TABLES: Tables = {
     "fleet": (SCORE, score),
+    "fleet workers": (WORKERS, workers),
     **given(
         "bench_cluster",
         "bench fleet cluster --units 3 --clusters 1000 3000",
         "fleet.md",
-        (*SCORE.decides, "src/er_studies/er_studies/bench/fleet"),
+        BENCH,
         "fleet cluster",
         writes="> FILE",
     ),

@@ -72,17 +72,19 @@ def targets(rows: Sequence[Row]) -> str:
         ),
     ]  # fmt: skip
     for learnt in (False, True):
-        values = [
-            ratio(r)
-            for r in rows
-            if "fresh" in r and not poor(r) and r["measured_terms"] == learnt
-        ]
+        asked = [r for r in rows if "fresh" in r and not poor(r) and r["measured_terms"] == learnt]
+        values = [ratio(r) for r in asked]
+        within = [ratio(r) for r in asked if not r["fresh"]["beyond"]]
         word, high = (", with measured terms", HIGH_WITH_TERMS) if learnt else ("", HIGH_RATIO)
         if values:
             lines.append(
                 _ratio(f"fresh error over the truth's{word}: median", values, 0.5, MEDIAN_RATIO)
             )
             lines.append(_ratio(f"the same{word}: 90th percentile", values, 0.9, high))
+        if within:
+            lines.append(
+                _ratio(f"where the lab says nothing of its reach{word}", within, 0.9, high)
+            )
     return table(["what", "cases", "found", "95 % interval", "target", "met"], lines)
 
 

@@ -6,7 +6,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.noise_floor import noise_floor
-from er_model_lab.fitting.data_reach import REACH, beyond, held_out_beyond, reach, within_learnt
+from er_model_lab.fitting.data_reach import (
+    GAP,
+    REACH,
+    beyond,
+    duty_gap,
+    gap_note,
+    held_out_beyond,
+    reach,
+    within_learnt,
+)
 from lab_help import problem_of
 
 
@@ -113,3 +122,48 @@ def test_held_out_data_beyond_what_was_learnt_are_told_and_are_no_noise(known):
         input_square=np.zeros(fast.size), bursts=(0.0,), outputs=1, input_error=0.0
     )
     assert noise_floor(beyond_it, left, null, 0).held_out < 0.7
+
+
+def with_duty(problem, levels):
+    """The same measurement under duties of these levels, each for as long."""
+    rows = np.arange(problem.force.size) * len(levels) // problem.force.size
+    return replace(problem, motion=replace(problem.motion, u=np.asarray(levels)[rows]))
+
+
+@pytest.mark.parametrize(
+    ("levels", "gap"),
+    [
+        ((0.3,), None),
+        ((0.0, 0.3), (0.03, 0.27)),
+        ((0.0, 0.15, 0.3), None),
+        ((0.0, 0.03, 0.3), (0.06, 0.27)),
+        (np.linspace(0.0, 0.3, 30), None),
+    ],
+)
+def test_a_gap_of_the_duty_is_where_no_level_is(levels, gap):
+    found = duty_gap(np.repeat(levels, 100))
+    assert (found is None) == (gap is None)
+    if gap:
+        assert found == pytest.approx(gap)
+
+
+def test_duties_between_two_levels_are_beyond_what_was_learnt(known):
+    model, problem = known
+    two = with_duty(problem, (0.0, 0.3, 0.0, 0.3))
+    fitted = replace(model, history=({REACH: reach(two)},))
+    assert reach(two)[GAP] == pytest.approx([0.03, 0.27])
+    assert beyond(fitted, two, problem.force) is None
+    steps = with_duty(problem, (0.0, 0.1, 0.2, 0.3))
+    between = problem.used & (steps.motion.u > 0.05) & (steps.motion.u < 0.25)
+    found = beyond(fitted, steps, np.where(between, 3.0, 0.5))
+    assert found.share == pytest.approx(between.sum() / problem.used.sum())
+    assert (found.rms_beyond, found.rms_inside) == pytest.approx((3.0, 0.5))
+    said = found.note("these data", "what 'better' was fitted to")
+    assert "(duty 0.1 to 0.2, fitted to none between 0.03 and 0.27)" in said
+    assert beyond(model, steps, problem.force) is None  # it was fitted to three levels
+    held = replace(two, motion=replace(two.motion, u=np.where(two.held_out, 0.1, two.motion.u)))
+    assert not within_learnt(held).any()
+    assert "hardly ever between 0.03 and 0.27" in gap_note(model, two)[0]
+    assert gap_note(model, steps) == ()
+    passive = replace(model, effects={"passive": model.effects["passive"]})
+    assert gap_note(passive, two) == ()

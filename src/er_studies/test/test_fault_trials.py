@@ -128,25 +128,31 @@ def test_statistics_go_on_with_the_drives_that_a_file_holds(tmp_path, monkeypatc
     """A drive that never got its name has no time in JSON, and what is known is not driven again."""
     asked, file = [], tmp_path / "drives.json"
     group = next(g for g in GROUPS if g.left)
-    found = Found("chirp", (), 0.0, math.inf, 0.5, 0.01, 12.0, "NONE", False, False)
+    found = Found("chirp", (), 0.0, math.inf, 0.5, 0.01, 12.0, "NONE", False, False, 1.0)
+    late = found._replace(moved_before=3.0)
 
     def driven(groups, model, seed, number, known):
         asked.append(known)
-        return [(g, found) for g in groups for _ in range(known.get(g.name, 0), number)]
+        return [
+            (g, late if k else found) for g in groups for k in range(known.get(g.name, 0), number)
+        ]
 
     monkeypatch.setattr(statistics_command, "statistics", driven)
     for number in (2, 3):
         statistics_command.fault_statistics_command([group.name], number=number, json_file=file)
     assert asked == [{group.name: 0}, {group.name: 2}]
     drives = read(json.loads(file.read_text())["drives"])
-    assert drives == {group.name: [found._replace(wrong=[])] * 3}
+    first, *later = drives[group.name]
+    assert (first, later) == (found._replace(wrong=[]), [late._replace(wrong=[])] * 2)
     assert "Infinity" not in json.dumps(plain(drives))
     (told,) = statistics_command.tables(drives)
     head, rows = told.head, told.rows
     assert json.loads(file.read_text())["tables"] == [
         {"head": head, "rows": rows, "title": "seed 1"}
     ]
-    assert [row[head.index("number")] for row in rows] == ["3", "3"]
+    assert [row[:3] for row in rows] == [
+        [group.name, "all", "3"], ["", "all that moved 3 s before", "2"], ["", "chirp", "3"],
+    ]  # fmt: skip
     assert rows[0][head.index("median s to name")] == "never"
     with pytest.raises(InputError, match="drives of seed 2"):
         statistics_command.fault_statistics_command([group.name], seed=2, json_file=file)

@@ -6,11 +6,13 @@ Forms that agree where the data were may differ anywhere else, and nothing in th
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from er_models.effect import arguments
 from er_models.model import Array, Model
 from numpy.typing import NDArray
 
@@ -18,6 +20,11 @@ from er_model_lab.problem.problem import Problem
 
 REACH = "reach"
 """Key in an entry of a model's history."""
+GAP = "duty_gap"
+"""Key in a reach: a range of the duty, within its ends, of which there was none."""
+TENTHS, WIDE = 10, 5
+"""Parts of the duty's range, and how many of them in a row without samples are a gap: with three levels that lie evenly
+a law of the duty shows its bend, with two it does not."""
 MARGIN = 0.1
 """Share of a reach by which data may pass its ends: as much as two records of one road differ."""
 HEAT = 1.5
@@ -40,7 +47,7 @@ class Beyond:
 
     share: of the samples; of_error: of the squared error; rms_inside, rms_beyond: errors [N], nan where there are no
     such samples; reach: `(from, to)` of the data and of what was fitted to [SI], of each quantity that goes beyond,
-    the power of whole records among them.
+    the power of whole records among them; of `duty_gap` the second is a range in which no duty was.
     """
 
     share: float
@@ -72,13 +79,39 @@ class Beyond:
         return f"{said}: {self.share:.0%} of the samples, with an error of {self.rms_beyond:.3g} N there{rest}"
 
 
-def reach(problem: Problem) -> dict[str, list[float]]:
-    """Ends of deflection [m], velocity [m/s], duty [1] and a record's mean power [W] over the training samples."""
-    samples = _samples(problem)
-    return {
-        k: [float(y[problem.train].min()), float(y[problem.train].max())]
-        for k, y in samples.items()
-    }
+def reach(problem: Problem) -> dict[str, Any]:
+    """Ends of deflection [m], velocity [m/s], duty [1] and a record's mean power [W] over the training samples.
+
+    Where the duty has a gap between its ends, the gap's ends besides (`GAP`).
+    """
+    seen = {k: y[problem.train] for k, y in _samples(problem).items()}
+    ends: dict[str, Any] = {k: [float(y.min()), float(y.max())] for k, y in seen.items()}
+    gap = duty_gap(seen["duty"])
+    return ends | ({GAP: list(gap)} if gap else {})
+
+
+def duty_gap(duty: Array) -> tuple[float, float] | None:
+    """A wide range between the ends of duties (n,) in which hardly any of them lies; None where there is none."""
+    low, high = float(duty.min()), float(duty.max())
+    if not high > low:
+        return None
+    counts, ends = np.histogram(duty, TENTHS, (low, high))
+    empty = "".join("01"[int(n < FEW * duty.size)] for n in counts)
+    run = re.search(f"1{{{WIDE},}}", empty)
+    return (float(ends[run.start()]), float(ends[run.end()])) if run else None
+
+
+def gap_note(model: Model, problem: Problem) -> tuple[str, ...]:
+    """What is said of a model that answers to the duty, where the training samples leave a gap of it."""
+    gap = duty_gap(problem.motion.u[problem.train])
+    hooks = [hook for e in model.effects for hook in model.catalogue[e].hooks.values()]
+    if gap is None or not any({"u", "u_f"} & {*arguments(hook)} for hook in hooks):
+        return ()
+    low, high = gap
+    return (
+        f"the duty is hardly ever between {low:.2g} and {high:.2g} where the model was fitted: the force at such "
+        "duties rests on the form of the model",
+    )
 
 
 def beyond(model: Model, problem: Problem, residual: Array) -> Beyond | None:
@@ -100,6 +133,8 @@ def within_learnt(problem: Problem) -> NDArray[np.bool_]:
     """Held-out samples (n,) whose motion and duty lie within the reach of those learnt from."""
     samples, ends = _samples(problem), reach(problem)
     outside = [_outside(k, samples[k], *ends[k]) for k in samples if k != "power"]
+    if GAP in ends:
+        outside.append(_inside(samples["duty"], *ends[GAP]))
     return np.asarray(problem.held_out & ~np.logical_or.reduce(outside))
 
 
@@ -107,15 +142,22 @@ def _beyond(
     problem: Problem, residual: Array, fitted: Mapping[str, Any], rows: NDArray[np.bool_]
 ) -> Beyond | None:
     """How far the samples of a mask (n,) go beyond the ends of what was fitted to."""
-    outside = np.zeros(problem.force.size, dtype=bool)
+    outside, samples = np.zeros(problem.force.size, dtype=bool), _samples(problem)
     further = {}
-    for name, y in _samples(problem).items():
+    for name, y in samples.items():
         low, high = (float(v) for v in fitted[name])
         mask = rows & _outside(name, y, low, high)
         if mask.any():
             seen = y[rows]
             further[name] = ((float(seen.min()), float(seen.max())), (low, high))
             outside |= mask & (name != "power")
+    if GAP in fitted:
+        low, high = fitted[GAP]
+        between = rows & _inside(samples["duty"], low, high)
+        if between.sum() >= FEW * rows.sum():  # a level that is left passes through
+            seen = samples["duty"][between]
+            further[GAP] = ((float(seen.min()), float(seen.max())), (low, high))
+            outside |= between
     if not further:
         return None
     square, inside = residual**2, rows & ~outside
@@ -143,12 +185,19 @@ def _outside(name: str, y: Array, low: float, high: float) -> NDArray[np.bool_]:
     return np.asarray((y < low - margin) | (y > high + margin))
 
 
+def _inside(y: Array, low: float, high: float) -> NDArray[np.bool_]:
+    """Samples within a gap."""
+    return np.asarray((y > low) & (y < high))
+
+
 def _rms(square: Array, mask: NDArray[np.bool_]) -> float:
     return float(np.sqrt(np.mean(square[mask]))) if mask.any() else float("nan")
 
 
 def _ranges(name: str, data: tuple[float, float], fitted: tuple[float, float]) -> str:
     """`deflection -22 to 23 mm, fitted to -3.4 to 3.3 mm`."""
+    if name == GAP:
+        return f"duty {data[0]:.2g} to {data[1]:.2g}, fitted to none between {fitted[0]:.2g} and {fitted[1]:.2g}"
     scale, unit = _SHOWN[name]
 
     def words(ends: tuple[float, float]) -> str:

@@ -30,9 +30,12 @@ ONE = {**THREADS, "NUMBA_NUM_THREADS": "1"}
 """Environment of a worker: one of them has one core."""
 LOCAL = {
     "distributed.worker.daemon": True, "distributed.comm.timeouts.connect": "60s",
-    "distributed.worker.profile.enabled": False,
+    "distributed.worker.profile.enabled": False, "distributed.admin.tick.interval": "500ms",
+    "distributed.admin.system-monitor.interval": "2s", "distributed.worker.memory.monitor-interval": "500ms",
 }  # fmt: skip
-"""Dask's configuration of workers of this machine: its profiler, which nobody looks at here, takes a tenth of one."""
+"""Dask's configuration of workers of this machine. Its profiler, which nobody looks at here, takes a tenth of one; that
+every event loop looks at its own lateness fifty times a second, and at memory ten times, as much again.
+"""
 WORKER = "er_model_lab.fleets.worker"
 """Module whose `dask_setup` a worker calls first."""
 

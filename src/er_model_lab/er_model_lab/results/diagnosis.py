@@ -10,7 +10,7 @@ from er_models.model import Model
 from er_model_lab.diagnosis.coverage import Coverage
 from er_model_lab.diagnosis.evidence import VISIBLE
 from er_model_lab.diagnosis.floor_estimates import floors
-from er_model_lab.fitting.data_reach import Beyond, held_out_beyond
+from er_model_lab.fitting.data_reach import Beyond, gap_note, held_out_beyond
 from er_model_lab.level.study import Study
 from er_model_lab.preflight.wild import outliers
 from er_model_lab.residual.errors import size_notes
@@ -34,6 +34,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
         held_out_beyond(problem, found.best.fit.residual) if problem.forward.outputs == 1 else None
     )
     unlike = _beyond(further) or unseen(left["rmse_after"])
+    unlike += gap_note(model_after, problem) if problem.forward.outputs == 1 else ()
     return {
         "verdict": found.verdict,
         "effects": list(found.effects),

@@ -27,6 +27,8 @@ PEAKS = (0.05, 0.3)
 """Least and greatest peak of the deflection velocity [m/s]."""
 CLOSE, IN_TIME = 0.02, 10.0
 """Error of a factor that is right, and the motion after which a fault has to be named [s]."""
+LEARNT = 3.0
+"""Motion [s] of the healthy damper after which a change is a change: without it a fault is there from the start."""
 _QUIET = tuple(COURSES[:5]) + COURSES
 """Roads of drives without a fault in turn: 10 of 14 of ISO 8608."""
 
@@ -71,7 +73,7 @@ class Found(NamedTuple):
     wrong: kinds of fault that were named and are not there; unexplained: share of the time; named: motion until the
     fault had its name [s], inf without; error: greatest of its factors after `IN_TIME` s of motion, and at the end;
     moved: motion after the fault [s]; last: the kind at the end; doubted: whether something is unexplained then;
-    left_open: whether a fault was ever said to be there whose kind is open.
+    left_open: whether a fault was ever said to be there whose kind is open; moved_before: motion before the fault [s].
     """
 
     road: str
@@ -84,6 +86,7 @@ class Found(NamedTuple):
     last: str
     doubted: bool
     left_open: bool
+    moved_before: float
 
 
 def trial_of(group: Group, seed: int, number: int) -> Trial:
@@ -103,16 +106,17 @@ def found_in(trial: Trial, model: Model, p: Estimator) -> Found:
     """What the estimator makes of a drive."""
     record = drive(trial, model)
     said = follow(p, record)
-    begun = max(round((trial.fault_time + trial.grows) / DT), 0)
-    moved = np.cumsum(moving(record, model)[begun:]) * DT
+    appears, begun = (
+        max(round(t / DT), 0) for t in (trial.fault_time, trial.fault_time + trial.grows)
+    )
+    motion = moving(record, model)
+    moved = np.cumsum(motion[begun:]) * DT
     right = NAMED[next(iter(trial.left))] if len(trial.left) == 1 else Kind.COMBINED
     right = right if trial.left else Kind.NONE
     others = {
         e.kind.name for e in said if e.kind not in (right, Kind.NONE, Kind.SOME, Kind.UNKNOWN)
     }
-    early = {
-        e.kind.name for e in said[: round(max(trial.fault_time, 0.0) / DT)] if e.kind > Kind.NONE
-    }
+    early = {e.kind.name for e in said[:appears] if e.kind > Kind.NONE}
     hits = [k for k in range(begun, len(said)) if said[k].kind is right]
     then = begun + min(int(np.searchsorted(moved, IN_TIME)), moved.size - 1)
     error, last_error = (
@@ -123,6 +127,7 @@ def found_in(trial: Trial, model: Model, p: Estimator) -> Found:
         trial.road, tuple(sorted(others | early)), float(np.mean([e.unexplained for e in said])),
         float(moved[hits[0] - begun]) if hits else math.inf, error, last_error, float(moved[-1]), said[-1].kind.name,
         said[-1].unexplained, any(e.kind is Kind.SOME for e in said),
+        float(motion[:appears].sum()) * DT,
     )  # fmt: skip
 
 

@@ -18,6 +18,7 @@ from er_studies.faults.statistics import (
     CLOSE,
     GROUPS,
     IN_TIME,
+    LEARNT,
     Found,
     plain,
     read,
@@ -26,6 +27,7 @@ from er_studies.faults.statistics import (
 from er_studies.given_out import Table, give, seconds
 from er_studies.programs import program_of, run
 
+_MOVED = f"all that moved {LEARNT:g} s before"
 _ROADS = ("iso8608", "round bumps", "sharp bumps", "tone", "chirp")
 _QUIET_HEAD = [
     "drives without a fault", "road", "number", "a fault named", "one that is open", "unexplained", "of the time",
@@ -93,18 +95,22 @@ def tables(found: Mapping[str, Sequence[Found]]) -> list[Table]:
     for faulty, head, cells in ((False, _QUIET_HEAD, _quiet), (True, _FAULTY_HEAD, _faulty)):
         rows = []
         for group in (g for g in GROUPS if bool(g.left) is faulty):
-            for road in ("all", *_ROADS):
-                some = [
-                    f
-                    for f in found.get(group.name, ())
-                    if road == "all" or f.road.startswith(road)
-                ]
-                if some:
+            drives = found.get(group.name, ())
+            moved = (_MOVED,) if faulty and not group.from_start else ()
+            for road in ("all", *moved, *_ROADS):
+                if some := [f for f in drives if _of(road, f)]:
                     name = group.name if road == "all" else ""
                     rows.append([name, road, str(len(some)), *cells(some)])
         if rows:
             made.append(Table(head, rows))
     return made
+
+
+def _of(road: str, drive: Found) -> bool:
+    """Whether a drive counts in a line of a table."""
+    if road == _MOVED:
+        return drive.moved_before >= LEARNT
+    return road == "all" or drive.road.startswith(road)
 
 
 def _quiet(some: Sequence[Found]) -> list[str]:

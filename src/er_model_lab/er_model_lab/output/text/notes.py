@@ -9,7 +9,8 @@ WEIGHTS = (
     # the verdict may be wrong: another damper, a wrong unit, data that are lost or contradict one another
     r"times the predicted one|sensor's zero|expected .*, found|cannot be read|left out|the same samples|changed after",
     # what the model is good for
-    r"errs by|s searched|are left of the held-out|go beyond|beyond what|not added|taken out again|held constant|lags ",
+    r"errs by|s searched|are left of the held-out|go beyond|beyond what|not added|taken out again|held constant|lags |"
+    r"rests on",
     # what was done to the data
     r"wild|stand alone|dropped|resampled|filtered|bridged|cut |hole|derived|fused|uneven|went on|not explained",
 )

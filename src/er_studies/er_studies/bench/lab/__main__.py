@@ -11,7 +11,7 @@ from pathlib import Path
 from er_models.one_line import OneLine
 
 from er_studies import given_out
-from er_studies.bench.lab.measure import LENGTHS, Line, length, minute, number
+from er_studies.bench.lab.measure import LENGTHS, Line, beginnings, length, minute, number
 from er_studies.bench.lab.page import page
 from er_studies.bench.lab.picture import picture
 from er_studies.bench.machine import machine
@@ -20,12 +20,14 @@ PARTS: dict[str, Callable[[Path], list[Line]]] = {
     "minute": minute,
     "length": length,
     "number": number,
+    "beginnings": beginnings,
     "page": page,
 }
 TINY: dict[str, Callable[[Path], list[Line]]] = {
     "minute": lambda model: minute(model, seconds=6.0),
     "length": lambda model: length(model, lengths=(6.0, 8.0)),
     "number": lambda model: number(model, seconds=6.0, numbers=(2, 3)),
+    "beginnings": lambda model: beginnings(model, seconds=20.0),
     "page": page,
 }
 
