@@ -32,7 +32,6 @@ def test_the_code_that_made_the_figures_is_the_code_that_is_here(name):
 
 
 TYPED = {
-    "fleet.md": 1,
     "page.md": 6,
     "peers.md": 1,
     "performance.md": 2,

@@ -51,5 +51,6 @@ TABLES: Tables = {
         "lab", "lab minute length number --longest 120", LAB,
         "minute", "lengths", "numbers", "machine of lab", page="lab_speed.md",
     ),
+    **_bench("lab_beginnings", "lab beginnings", LAB, "beginnings", page="lab_speed.md"),
     **_bench("lab_page", "lab page", LAB, "page of my rig", "machine of my rig", page="lab_speed.md"),
 }  # fmt: skip

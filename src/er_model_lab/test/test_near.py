@@ -12,8 +12,9 @@ from er_model_lab.diagnosis.search import afresh, one_round
 from er_model_lab.fitting.fit import AWAY, Box, _jacobian, fit, part_of
 from er_model_lab.level import damper
 from er_model_lab.level.damper import DamperLevel
+from er_model_lab.problem import forward
 from er_model_lab.problem.forward import COARSE, DamperForward
-from er_model_lab.problem.problem import Practice
+from er_model_lab.problem.problem import Practice, Problem
 from lab_help import problem_of
 
 FRICTION = {"F_c": 1.0, "v_0": 0.003}
@@ -34,6 +35,42 @@ def test_longer_steps_are_exact_at_the_model_and_its_derivatives_are_theirs(soug
     box = Box(model, problem.forward.free(model), problem.scales)
     usual, longer = (_jacobian(box, box.start(), here, p, None) for p in (problem, near))
     assert 0.0 < np.linalg.norm(usual - longer) < 0.02 * np.linalg.norm(usual)
+
+
+def test_a_step_that_a_fit_takes_is_looked_at_once(monkeypatch):
+    """Where what is caught begins is found for the step, and known for the derivatives there."""
+    hidden = {"F_p": 2.0, "k_p": 2e4}
+    model, problem = problem_of("friction_with_play", hidden, seconds=8.0)
+    grown = model.with_effect("friction_with_play", {name: 0.7 * v for name, v in hidden.items()})
+    rows, there = problem.predicted(grown)
+    np.testing.assert_array_equal(rows, problem.predict(grown))
+    assert np.isfinite(there.forward.caught).any()
+    np.testing.assert_allclose(there.predict(grown), rows, atol=1e-9)
+    assert there.predicted(grown)[1] is there
+    assert problem.predicted(model)[1] is problem
+    monkeypatch.setattr(DamperForward, "near", lambda self, *_: self)
+    looks, found = [], []
+    look, many = forward.caught, forward.predict_many
+
+    def looked(model, motion, told, **more):
+        looks.append(told.caught is None)
+        return look(model, motion, told, **more)
+
+    def predicted(model, vectors, motion, told, **more):
+        looks.append(len(vectors) * (told.caught is None))
+        return many(model, vectors, motion, told, **more)
+
+    monkeypatch.setattr(forward, "caught", looked)
+    monkeypatch.setattr(forward, "predict_many", predicted)
+    for again in (False, True):
+        if again:  # as if nothing were known of a step
+            monkeypatch.setattr(Problem, "predicted", lambda self, m: (self.predict(m), self))
+        looks.clear()
+        found.append((fit(grown, problem, max_iter=3), sum(looks)))
+    (one, few), (other, more) = found
+    np.testing.assert_array_equal(one.residual, other.residual)
+    assert one.iterations > 1
+    assert few < more
 
 
 @pytest.mark.parametrize("share", [1.0, 0.5], ids=["as they are", "misleading"])

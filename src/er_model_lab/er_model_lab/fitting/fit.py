@@ -234,7 +234,7 @@ def _leg(
         trials = _trials(h, g, theta, box, damping)
         falls = [float(s @ (2.0 * g - h @ s)) for s in trials - theta]
         enough = cost - AS_TOLD * falls[0] if box.smooth else -np.inf
-        best, found, tried = _best_of(trials, enough, box, problem)
+        best, found, tried, there = _best_of(trials, enough, box, problem)
         if not tried < cost * (1.0 - 1e-9):
             if exact and not rests and damping > 1e3:
                 break
@@ -255,7 +255,7 @@ def _leg(
         if near and gain > tol and rests < RESTS and turns:
             jacobian, rests = _turned(jacobian, step, moved, np.diag(h)), rests + 1
         else:
-            jacobian, exact, at, rests = _jacobian(box, theta, f, problem, None), True, theta, 0
+            jacobian, exact, at, rests = _jacobian(box, theta, f, there, None), True, theta, 0
     if rests and not sketch:
         jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
     return _Leg(theta, f, jacobian, cost, at, exact, rounds)
@@ -270,16 +270,23 @@ def _turned(jacobian: Array, step: Array, moved: Array, weight: Array) -> Array:
     return np.asarray(jacobian + np.outer(moved - jacobian @ step, along / (along @ step)))
 
 
-def _best_of(trials: Array, enough: float, box: Box, problem: Problem) -> tuple[int, Array, float]:
-    """Which of the trials (3, p) is best, what it predicts (n,), its mean square; the first where that is enough."""
-    first = problem.predict_many(box.model, box.vectors(trials[:1]))[0]
+def _best_of(
+    trials: Array, enough: float, box: Box, problem: Problem
+) -> tuple[int, Array, float, Problem]:
+    """Which of the trials (3, p) is best, the first where that is enough.
+
+    With what it predicts (n,), its mean square, and the problem as it begins there.
+    """
+    first, there = problem.predicted(box.model_at(trials[0]))
     cost = _cost(first, problem)
     if cost <= enough:
-        return 0, first, cost
+        return 0, first, cost, there
     others = problem.predict_many(box.model, box.vectors(trials[1:]))
     costs = np.array([cost, *(_cost(f, problem) for f in others)])
     best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
-    return best, (others[best - 1] if best else first), float(costs[best])
+    if best:
+        return best, others[best - 1], float(costs[best]), problem
+    return best, first, cost, there
 
 
 def _again(

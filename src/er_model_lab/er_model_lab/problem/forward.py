@@ -84,6 +84,9 @@ class Forward(Protocol):
     def begun(self, data: Sensed, model: Model) -> Forward:
         """What predicts rows for less, as they begin about where those of a model do, exact there; or itself."""
 
+    def predicted(self, data: Sensed, model: Model) -> tuple[Array, Forward]:
+        """Rows (n,) of a model, and what `begun` makes of it, for the price of the first."""
+
     def beginnings(self, data: Sensed, model: Model) -> float:
         """How many numbers the data have told of where the states of a model begin, beside its parameters."""
 
@@ -148,12 +151,20 @@ class DamperForward:
 
     def begun(self, data: Sensed, model: Model) -> DamperForward:
         """The same, without a look for where what a contact may catch begins; exact at the model."""
+        return self._looked(data, model)[1]
+
+    def predicted(self, data: Sensed, model: Model) -> tuple[Array, DamperForward]:
+        """Force (n,) along the motion, and the same as `begun`."""
+        rows, forward = self._looked(data, model)
+        return (self.predict(data, model) if rows is None else rows), forward
+
+    def _looked(self, data: Sensed, model: Model) -> tuple[Array | None, DamperForward]:
+        """Force (n,) and what is begun there, where something had to be looked for, else None and the same."""
         found = caught(model, data.motion, self._told(data), longest=self.longest)
         if found is None:
-            return self
-        force, known = found
-        near = replace(self, caught=known, beside=None)
-        return replace(near, beside=self._complete(force) - near.predict(data, model))
+            return None, self
+        rows, near = self._complete(found[0]), replace(self, caught=found[1], beside=None)
+        return rows, replace(near, beside=rows - near.predict(data, model))
 
     def _complete(self, forces: Array) -> Array:
         """Forces (m, n) with what their steps leave out."""

@@ -121,6 +121,12 @@ class Problem:
         forward = self.forward.begun(self, model)
         return self if forward is self.forward else replace(self, forward=forward)
 
+    def predicted(self, model: Model) -> tuple[Array, Problem]:
+        """What a model predicts (n,) [N], and the problem as `begun` there."""
+        self.work.check()
+        rows, forward = self.forward.predicted(self, model)
+        return rows, self if forward is self.forward else replace(self, forward=forward)
+
     @property
     def parts(self) -> tuple[Problem, ...]:
         """One problem for each output, rows `c::outputs` of this one."""

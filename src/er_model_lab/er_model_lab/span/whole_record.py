@@ -76,9 +76,9 @@ class LongForward(DamperForward):
             out[k : k + AT_ONCE] = forces[:, self.whole.rows]
         return self._complete(out)
 
-    def begun(self, data: Sensed, model: Model) -> DamperForward:
-        """The same for stretches; itself where something acts along whole records."""
-        return self if remembers(model) else super().begun(data, model)
+    def _looked(self, data: Sensed, model: Model) -> tuple[Array | None, DamperForward]:
+        """What is begun on stretches; itself where something acts along whole records."""
+        return (None, self) if remembers(model) else super()._looked(data, model)
 
     def beginnings(self, data: Sensed, model: Model) -> float:
         """Of all states, of the stretches or of whole records."""

@@ -118,6 +118,10 @@ class RideForward:
         del data, model
         return self
 
+    def predicted(self, data: Sensed, model: Model) -> tuple[Array, RideForward]:
+        """Rows (n,) of a model, and itself."""
+        return self.predict(data, model), self
+
     def beginnings(self, data: Sensed, model: Model) -> float:
         """None: the rows that the starts are made from are not scored."""
         del data, model

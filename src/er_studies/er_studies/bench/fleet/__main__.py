@@ -72,7 +72,7 @@ def workers(data: Path, model: Model, *, search: bool) -> Iterator[dict[str, Any
     loop, one, _ = found
     for line in found:
         yield {
-            **asdict(line), "overhead": line.processor / loop.processor - 1.0,
+            **asdict(line), "overhead": line.wall / loop.wall - 1.0,
             "faster": one.wall / line.wall,
         }  # fmt: skip
 

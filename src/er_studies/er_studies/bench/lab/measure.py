@@ -71,10 +71,10 @@ class Assumed(DamperForward):
         """Forces (m, n), whatever the measured force says of the beginning."""
         return self._complete(predict_many(model, vectors, data.motion, longest=self.longest))
 
-    def begun(self, data: Sensed, model: Model) -> DamperForward:
+    def _looked(self, data: Sensed, model: Model) -> tuple[Array | None, DamperForward]:
         """Itself: nothing is looked for."""
         del data, model
-        return self
+        return None, self
 
     def beginnings(self, data: Sensed, model: Model) -> float:
         """None."""
