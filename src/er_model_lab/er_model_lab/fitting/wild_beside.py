@@ -24,6 +24,7 @@ def without_wild(problem: Problem, residual: Array) -> Problem:
     n = int(np.sum(alone & problem.used))
     if not n:
         return problem
-    note = f"{n} samples of damper_force stand alone beside the model and get no weight"
+    said = "1 sample of damper_force stands" if n == 1 else f"{n} samples of damper_force stand"
+    note = f"{said} alone beside the model: no weight"
     beside = problem.beside + n
     return replace(problem.without(alone), notes=(*problem.notes, note), beside=beside)

@@ -21,7 +21,8 @@ def size_findings(records: Sequence[Record], model: Model) -> Iterator[Finding]:
         if not expected / ANOTHER_SIZE < size < expected * ANOTHER_SIZE:
             yield Finding(
                 "size", "warning", records[0].name, "damper_force",
-                f"forces of about {expected:.3g} N, which the model '{model.name}' is made for", f"{size:.3g} N",
+                f"forces within {ANOTHER_SIZE:g} times those of '{model.name}'",
+                f"forces of {_newtons(size)} where the model is made for {_newtons(expected)}",
                 "another damper (lab identify), or another unit: state it, as in 'damper_force [kN]'",
                 records[0].source,
             )  # fmt: skip
@@ -52,6 +53,11 @@ def centre_notes(records: Sequence[Record], model: Model) -> tuple[str, ...]:
         for middle in middles
     )
     return tuple(dict.fromkeys(said))
+
+
+def _newtons(force: float) -> str:
+    """Three digits of a force, without a power of ten."""
+    return f"{float(f'{force:.3g}'):.10g} N"
 
 
 def _all(records: Sequence[Record], channel: str) -> Array:

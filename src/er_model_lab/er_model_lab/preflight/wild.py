@@ -22,7 +22,7 @@ STRUCK = 0.3
 SLOPE = 3
 """Samples to either side that the slope of a derived velocity is taken from."""
 WORDS = {
-    "spikes": ("samples that agree with their neighbours", "stand alone"),
+    "spikes": ("samples that agree with their neighbours", "alone"),
     "ends": ("ends that follow from the inside", "bent at an end"),
 }
 
@@ -36,7 +36,11 @@ def marked(record: Record) -> Record:
     found = {name: _wild(record, name) for name in measured}
     wild = {name: mask for name, mask in found.items() if mask.any()}
     notes = [
-        f"{int(mask.sum())} samples of {name} ({mask.mean():.2%}) are wild and get no weight"
+        (
+            f"1 sample of {name} is wild and gets no weight"
+            if mask.sum() == 1
+            else f"{int(mask.sum())} samples of {name} ({mask.mean():.2%}) are wild and get no weight"
+        )
         for name, mask in wild.items()
     ]
     velocity = "deflection_velocity"
@@ -97,10 +101,17 @@ def wild_findings(record: Record) -> Iterator[Finding]:
         expected, words = WORDS[kind]
         yield Finding(
             kind, level, record.name, name, expected,
-            f"{n} samples ({n / len(record):.2%}) {words}, the first at {here[0]['from']:.4g} s: they get no weight",
+            _counted(n, len(record), words, here[0]["from"]),
             "check the cable, the converter, and what filters the data", record.source,
             joined([(record.t[0] + p["from"], record.t[0] + p["to"]) for p in here]),
         )  # fmt: skip
+
+
+def _counted(n: int, size: int, words: str, first: float) -> str:
+    """How many samples of a record of this size are so, and where the first of them is [s]."""
+    if n == 1:
+        return f"1 sample {words} at {first:.4g} s: it gets no weight"
+    return f"{n} samples ({n / size:.2%}) {words}, the first at {first:.4g} s: they get no weight"
 
 
 def outliers(records: tuple[Record, ...], beside: int = 0) -> dict[str, Any]:

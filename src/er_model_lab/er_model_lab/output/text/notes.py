@@ -12,7 +12,7 @@ WEIGHTS = (
     r"errs by|s searched|are left of the held-out|go beyond|beyond what|not added|taken out again|held constant|lags |"
     r"rests on",
     # what was done to the data
-    r"wild|stand alone|dropped|resampled|filtered|bridged|cut |hole|derived|fused|uneven|went on|not explained",
+    r"wild|stands? alone|dropped|resampled|filtered|bridged|cut |hole|derived|fused|uneven|went on|not explained",
 )
 """Words of a note by what it changes, most important first."""
 SMALL = 2
