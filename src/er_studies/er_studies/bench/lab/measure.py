@@ -31,7 +31,7 @@ from er_studies.bench.lab.data import record
 MINUTE = 60.0
 LENGTHS = (15.0, 30.0, 60.0, 120.0, 240.0, 1200.0, 3600.0)
 NUMBERS = (4, 8, 16, 24)
-BEGUN, OFF, TURNS = 10.0, 0.8, 3
+BEGUN, OFF, TURNS = 10.0, 0.8, 10
 """Length of a record whose beginning is told [s], values of its effect that a fit begins with over the true ones, and
 how often both ways are timed."""
 STATES = (
