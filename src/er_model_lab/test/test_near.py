@@ -37,6 +37,25 @@ def test_longer_steps_are_exact_at_the_model_and_its_derivatives_are_theirs(soug
     assert 0.0 < np.linalg.norm(usual - longer) < 0.02 * np.linalg.norm(usual)
 
 
+def test_a_row_that_jumps_tells_no_derivative(sought, monkeypatch):
+    """At a sample another branch is as good as the one taken: 4 N over a step of a millionth are no slope."""
+    model, problem = sought
+    here, box = problem.predict(model), Box(model, problem.forward.free(model), problem.scales)
+    smooth = _jacobian(box, box.start(), here, problem, None)
+    through = DamperForward.predict_many
+
+    def jumping(self, data, model, vectors):
+        rows = through(self, data, model, vectors)
+        rows[:, 700] += 4.0 * (vectors != model.compiled().p).any(axis=1)
+        return rows
+
+    monkeypatch.setattr(DamperForward, "predict_many", jumping)
+    found = _jacobian(box, box.start(), here, problem, None)
+    others = np.arange(here.size) != 700
+    np.testing.assert_array_equal(found[others], smooth[others])
+    np.testing.assert_array_equal(found[700], 0.0)
+
+
 def test_a_step_that_a_fit_takes_is_looked_at_once(monkeypatch):
     """Where what is caught begins is found for the step, and known for the derivatives there."""
     hidden = {"F_p": 2.0, "k_p": 2e4}

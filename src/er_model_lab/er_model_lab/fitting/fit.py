@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from er_models.effect import SMOOTH
+from er_models.effect import CONTACT, SMOOTH
 from er_models.model import Array, Model
 from er_models.scales import Scales
 from er_models.sensitivity import quotients, steps
@@ -33,6 +33,8 @@ DAMPED = 1e-3
 """Damping where a straight line is believed whatever it is worth: what hardly moves the force goes nowhere."""
 NOTHING = 1e-9
 """A parameter that moves the force by so small a share of the strongest one is not told by the data."""
+PEAK, RARE, LONGER = 30.0, 1e-3, 10.0
+"""A derivative so many times that of all but this share of the rows is looked at over a step so much longer."""
 SHARES = np.array([0.1, 0.3, 1.0])
 """Shares of a step that are tried, beside none of it, where it is not."""
 AS_TOLD = 0.9
@@ -352,12 +354,35 @@ def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array |
 
     Columns that are known already are taken over.
     """
-    near = problem.begun(box.model_at(theta))
-    new = quotients(
-        lambda points: near.predict_many(box.model, box.vectors(points)), theta,
-        steps(box.parameters, theta), f, 0 if known is None else known.shape[1],
-    )  # fmt: skip
+    near, step = problem.begun(box.model_at(theta)), steps(box.parameters, theta)
+    first = 0 if known is None else known.shape[1]
+
+    def rows(points: Array) -> Array:
+        return near.predict_many(box.model, box.vectors(points))
+
+    new = quotients(rows, theta, step, f, first)
+    columns = np.array([k for k in _peaked(new) if box.parameters[first + k].step <= CONTACT], int)
+    if columns.size:
+        points = (theta + LONGER * np.diag(step))[first + columns]
+        further = (rows(points) - f).T / (LONGER * step[first + columns])
+        new[:, columns] = np.where(_jumps(new[:, columns], further), 0.0, new[:, columns])
     return new if known is None else np.hstack([known, new])
+
+
+def _peaked(columns: Array) -> NDArray[np.intp]:
+    """Which columns (n, p) a few rows make nearly all of."""
+    size = np.sqrt(np.mean(columns**2, axis=0))
+    return np.flatnonzero(np.abs(columns).max(axis=0, initial=0.0) > PEAK * size)
+
+
+def _jumps(found: Array, further: Array) -> NDArray[np.bool_]:
+    """Where derivatives (n, p) are those of a row that jumps: much larger than others, and less over a longer step.
+
+    What stands in series is solved on one of several branches, and at a sample in ten thousand another one is as good.
+    The jump over a tiny step would pass for a derivative larger than all others together.
+    """
+    usual = np.quantile(np.abs(found), 1.0 - RARE, axis=0)
+    return np.asarray((np.abs(found) > PEAK * usual) & (np.abs(further) < 0.5 * np.abs(found)))
 
 
 def _trials(h: Array, g: Array, theta: Array, box: Box, damping: float) -> Array:
