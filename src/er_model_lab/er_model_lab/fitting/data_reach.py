@@ -131,10 +131,9 @@ def held_out_beyond(problem: Problem, residual: Array) -> Beyond | None:
 
 def within_learnt(problem: Problem) -> NDArray[np.bool_]:
     """Held-out samples (n,) whose motion and duty lie within the reach of those learnt from."""
-    samples, ends = _samples(problem), reach(problem)
-    outside = [_outside(k, samples[k], *ends[k]) for k in samples if k != "power"]
-    if GAP in ends:
-        outside.append(_inside(samples["duty"], *ends[GAP]))
+    outside = [
+        mask for k, mask in _outside(_samples(problem), reach(problem)).items() if k != "power"
+    ]
     return np.asarray(problem.held_out & ~np.logical_or.reduce(outside))
 
 
@@ -144,20 +143,14 @@ def _beyond(
     """How far the samples of a mask (n,) go beyond the ends of what was fitted to."""
     outside, samples = np.zeros(problem.force.size, dtype=bool), _samples(problem)
     further = {}
-    for name, y in samples.items():
-        low, high = (float(v) for v in fitted[name])
-        mask = rows & _outside(name, y, low, high)
-        if mask.any():
-            seen = y[rows]
-            further[name] = ((float(seen.min()), float(seen.max())), (low, high))
-            outside |= mask & (name != "power")
-    if GAP in fitted:
-        low, high = fitted[GAP]
-        between = rows & _inside(samples["duty"], low, high)
-        if between.sum() >= FEW * rows.sum():  # a level that is left passes through
-            seen = samples["duty"][between]
-            further[GAP] = ((float(seen.min()), float(seen.max())), (low, high))
-            outside |= between
+    for name, mask in _outside(samples, fitted).items():
+        here = rows & mask
+        # a level that is left passes through the gap
+        if here.sum() >= (FEW * rows.sum() if name == GAP else 1):
+            seen = samples["duty"][here] if name == GAP else samples[name][rows]
+            low, high = fitted[name]
+            further[name] = ((float(seen.min()), float(seen.max())), (float(low), float(high)))
+            outside |= here & (name != "power")
     if not further:
         return None
     square, inside = residual**2, rows & ~outside
@@ -177,17 +170,20 @@ def _samples(problem: Problem) -> dict[str, Array]:
     return {"deflection": m.x, "velocity": m.v, "duty": m.u, "power": mean}
 
 
-def _outside(name: str, y: Array, low: float, high: float) -> NDArray[np.bool_]:
-    """Samples beyond a reach: less power than before is nothing new."""
-    if name == "power":
-        return np.asarray(y > HEAT * high)
-    margin = MARGIN * (high - low)
-    return np.asarray((y < low - margin) | (y > high + margin))
-
-
-def _inside(y: Array, low: float, high: float) -> NDArray[np.bool_]:
-    """Samples within a gap."""
-    return np.asarray((y > low) & (y < high))
+def _outside(
+    samples: Mapping[str, Array], fitted: Mapping[str, Any]
+) -> dict[str, NDArray[np.bool_]]:
+    """Samples (n,) beyond a reach, by quantity, and those in a gap: less power than before is nothing new."""
+    found = {}
+    for name, y in samples.items():
+        low, high = fitted[name]
+        margin = MARGIN * (high - low)
+        power = name == "power"
+        found[name] = y > HEAT * high if power else (y < low - margin) | (y > high + margin)
+    if GAP in fitted:
+        low, high = fitted[GAP]
+        found[GAP] = (samples["duty"] > low) & (samples["duty"] < high)
+    return found
 
 
 def _rms(square: Array, mask: NDArray[np.bool_]) -> float:
