@@ -361,11 +361,17 @@ def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array |
         return near.predict_many(box.model, box.vectors(points))
 
     new = quotients(rows, theta, step, f, first)
-    columns = np.array([k for k in _peaked(new) if box.parameters[first + k].step <= CONTACT], int)
-    if columns.size:
-        points = (theta + LONGER * np.diag(step))[first + columns]
-        further = (rows(points) - f).T / (LONGER * step[first + columns])
-        new[:, columns] = np.where(_jumps(new[:, columns], further), 0.0, new[:, columns])
+    peaked = [k for k in _peaked(new) if box.parameters[first + k].step <= CONTACT]
+    if peaked:
+        some = first + np.array(peaked)
+
+        def along(values: Array) -> Array:
+            points = np.repeat(theta[None], len(values), axis=0)
+            points[:, some] = values
+            return rows(points)
+
+        further = quotients(along, theta[some], LONGER * step[some], f)
+        new[:, peaked] = np.where(_jumps(new[:, peaked], further), 0.0, new[:, peaked])
     return new if known is None else np.hstack([known, new])
 
 
