@@ -33,5 +33,6 @@ def test_a_slow_scheduler_is_the_limit():
 def test_batches_grow_with_the_cluster():
     assert batch_size(0.0, 10) == 1
     assert batch_size(0.5, 2) == SECONDS / 0.5
-    assert batch_size(0.5, 1000) == 20
+    assert batch_size(0.5, 1000) == 30
+    assert 1e6 / batch_size(1.2, 1000) < 100_000  # a million recordings of a minute
     assert batch_size(60.0, 2) == 1

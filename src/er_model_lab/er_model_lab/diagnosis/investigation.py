@@ -142,7 +142,9 @@ def _searched(
         else:
             best = kept
     ties = _alternatives(best, rounds)
-    if len(best.effects) > 1:
+    # what stands in for the effects that are still missing looks better than what is there
+    early = rule.goes_on and further is not None and further.taken is not None
+    if len(best.effects) > 1 and not early:
         best, ties = swapped(best, rounds, problem)
         ties = (*ties, *halves(best, rounds, ties))
     best, special = plain(best, problem, rounds[-1].threshold)

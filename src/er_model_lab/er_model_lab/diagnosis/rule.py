@@ -17,8 +17,9 @@ class Rule:
     noise below which no effect is named, however certain: what differs so little may as well be the form of
     another law; helps: share of what is explainable that what is named must explain together; small_steps: as beside
     effects that explain a part, less steadiness is asked for, errors of a motion that is rounded at its reversals only
-    where they act, and an effect whose values the data do not determine is not taken; barred: effects that are not
-    taken, as held-out data refuse them.
+    where they act, and an effect whose values the data do not determine is not taken; goes_on: another search follows,
+    so that nothing is exchanged while a further effect passes; barred: effects that are not taken, as held-out data
+    refuse them.
 
     Raises:
         InputError: a rate or a share that is none.
@@ -28,6 +29,7 @@ class Rule:
     smallest: float = SMALLEST
     helps: float = 0.2
     small_steps: bool = False
+    goes_on: bool = False
     barred: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:

@@ -84,7 +84,7 @@ def improve(
         held_out=held_out,
         level=level,
         seed=seed,
-        rule=rule,
+        rule=replace(rule, goes_on=True),
         anyway=anyway,
         work=Work.by(executor, progress, cancel),
     )
