@@ -12,6 +12,9 @@ PIECES = 4
 """Pieces a core gets: more even out what else the machine does, fewer cost less."""
 WORTH = 200_000
 """Steps of the integrator, some 3 ms, from which a second core pays for waking it."""
+LONGEST = 2 * WORTH
+"""Steps of a piece of several jobs, at most: what stands in series takes fifty times as long, and Ctrl-C waits for it.
+"""
 
 
 def cores() -> int:
@@ -37,10 +40,13 @@ def over_cores(run: Callable[[int, int], None], n: int, steps: int) -> None:
     This thread takes back, from the last on, what no other has begun: it never waits for that, and jobs may share
     work of their own. After an error or Ctrl-C in this thread no piece is begun.
     """
-    if steps <= WORTH or cores() < 2 or n < 2:
-        return run(0, n) if n else None
-    pieces = min(n, PIECES * cores())
-    parts = list(pairwise(n * k // pieces for k in range(pieces + 1)))
+    alone = steps <= WORTH or cores() < 2
+    pieces = min(n, max(1 if alone else PIECES * cores(), -(-steps // LONGEST)))
+    parts = list(pairwise(n * k // max(pieces, 1) for k in range(pieces + 1)))
+    if alone or n < 2:
+        for part in parts:
+            run(*part)
+        return
     futures = [threads().submit(run, *part) for part in parts]
     try:
         for future, part in zip(reversed(futures), reversed(parts), strict=True):
@@ -52,4 +58,3 @@ def over_cores(run: Callable[[int, int], None], n: int, steps: int) -> None:
     finally:
         for future in futures:
             future.cancel()
-    return None

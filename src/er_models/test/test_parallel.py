@@ -8,7 +8,7 @@ import threading
 
 import numpy as np
 import pytest
-from er_models.parallel import WORTH, over_cores
+from er_models.parallel import LONGEST, WORTH, over_cores
 from er_models.prediction import predict, predict_many
 from models_help import SMALL, guo, imposed
 
@@ -40,6 +40,16 @@ def test_small_work_stays_in_its_thread(cores):
     seen = set()
     over_cores(lambda i, j: seen.add(threading.current_thread()), 8, WORTH // 2)
     assert seen == {threading.current_thread()}
+
+
+def test_no_piece_of_several_jobs_is_long(cores):
+    """Ctrl-C waits for those that run, on one core too."""
+    pieces = []
+    over_cores(lambda i, j: pieces.append(j - i), 30, 10 * LONGEST)
+    assert sum(pieces) == 30
+    assert max(pieces) <= 3
+    over_cores(lambda i, j: pieces.append(j - i), 3, 10 * LONGEST)
+    assert pieces[-3:] == [1, 1, 1]
 
 
 def test_an_error_comes_back(cores):
