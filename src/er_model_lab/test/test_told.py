@@ -117,6 +117,14 @@ def test_what_helps_and_is_not_taken_is_told_with_what_explains_the_error_better
         assert entries["preload"]["explained_by"] == []
 
 
+def test_what_was_exchanged_is_explained_better_by_what_took_its_place(search):
+    """It was told as explained better by itself."""
+    model, problem, base, alone, _ = search
+    other = refit(base, model.catalogue["stribeck_friction"], problem)
+    entries, _, _ = result_of(search, other, [round_of(base, [*alone, other], alone[0], 0.01)])
+    assert entries[NAMES[0]]["explained_by"] == ["stribeck_friction"]
+
+
 def test_an_effect_of_a_pair_has_what_it_adds_to_the_other_one(search):
     """No round took either: alone they may gain nothing at all."""
     _, _, base, alone, both = search

@@ -125,10 +125,14 @@ def _out_of_reach(candidate: Candidate) -> bool:
 
 
 def _better(candidate: Candidate, step: Round, found: Diagnosis) -> list[str]:
-    """What explains the error better than an effect that was not taken; empty for one that was."""
+    """What explains the error better than an effect that was not taken; empty for one that was.
+
+    What its round took may have been exchanged since, or taken out.
+    """
     if candidate.name in found.effects:
         return []
-    return [step.taken.name] if step.taken else list(found.effects)
+    taken = step.taken.name if step.taken else None
+    return [taken] if taken in found.effects else list(found.effects)
 
 
 def reason(candidate: Candidate, step: Round, found: Diagnosis) -> str:
