@@ -182,6 +182,21 @@ def test_what_lasts_several_samples_is_not_wild(shape, size):
     assert not spikes(y).any()
 
 
+def test_an_end_is_bent_where_it_parts_from_another_channel_after_a_harsh_motion():
+    """The third difference of a jerk inside is larger than that of the bent end; the velocity tells them apart."""
+    t, rng = np.arange(2000) * 0.005, np.random.default_rng(4)
+    x = 3e-3 * np.where(t < 8.0, np.abs(np.sin(7.0 * t)), 1.0)
+    apart = 5e-6 * rng.standard_normal(t.size - 1)
+    x += 2e-6 * rng.standard_normal(t.size)
+    assert not bent_ends(x, apart).any()
+    moved = np.concatenate([x[:-3], x[-3:] - (10e-6, 40e-6, 250e-6)])
+    assert not bent_ends(moved).any()
+    parted = apart + np.diff(moved - x)
+    assert np.flatnonzero(bent_ends(moved, parted)).tolist() == [1997, 1998, 1999]
+    assert np.flatnonzero(bent_ends(moved[::-1], parted[::-1])).tolist() == [0, 1, 2]
+    assert not bent_ends(moved, apart).any()
+
+
 def test_two_spikes_that_chance_puts_together_are_both_found():
     y = np.random.default_rng(2).standard_normal(3000)
     rows = [100, 400, 700, 1000, 1500, 1501, 2000, 2002, 2500, 2503]
