@@ -160,6 +160,8 @@ def test_duties_between_two_levels_are_beyond_what_was_learnt(known):
     assert (found.rms_beyond, found.rms_inside) == pytest.approx((3.0, 0.5))
     said = found.note("these data", "what 'better' was fitted to")
     assert "(duty 0.1 to 0.2, fitted to none between 0.03 and 0.27)" in said
+    one = beyond(fitted, with_duty(problem, (0.2,)), problem.force)
+    assert "(duty 0.2, fitted to none" in one.note("these data", "what 'better' was fitted to")
     assert beyond(model, steps, problem.force) is None  # it was fitted to three levels
     held = replace(two, motion=replace(two.motion, u=np.where(two.held_out, 0.1, two.motion.u)))
     assert not within_learnt(held).any()

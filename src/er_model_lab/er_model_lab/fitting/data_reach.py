@@ -193,7 +193,8 @@ def _rms(square: Array, mask: NDArray[np.bool_]) -> float:
 def _ranges(name: str, data: tuple[float, float], fitted: tuple[float, float]) -> str:
     """`deflection -22 to 23 mm, fitted to -3.4 to 3.3 mm`."""
     if name == GAP:
-        return f"duty {data[0]:.2g} to {data[1]:.2g}, fitted to none between {fitted[0]:.2g} and {fitted[1]:.2g}"
+        ends = " to ".join(dict.fromkeys(f"{u:.2g}" for u in data))
+        return f"duty {ends}, fitted to none between {fitted[0]:.2g} and {fitted[1]:.2g}"
     scale, unit = _SHOWN[name]
 
     def words(ends: tuple[float, float]) -> str:
