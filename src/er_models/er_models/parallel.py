@@ -40,10 +40,12 @@ def over_cores(run: Callable[[int, int], None], n: int, steps: int) -> None:
     This thread takes back, from the last on, what no other has begun: it never waits for that, and jobs may share
     work of their own. After an error or Ctrl-C in this thread no piece is begun.
     """
-    alone = steps <= WORTH or cores() < 2
+    if not n:
+        return
+    alone = steps <= WORTH or cores() < 2 or n < 2
     pieces = min(n, max(1 if alone else PIECES * cores(), -(-steps // LONGEST)))
-    parts = list(pairwise(n * k // max(pieces, 1) for k in range(pieces + 1)))
-    if alone or n < 2:
+    parts = list(pairwise(n * k // pieces for k in range(pieces + 1)))
+    if alone:
         for part in parts:
             run(*part)
         return

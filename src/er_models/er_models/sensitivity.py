@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from er_models.effect import Param
 from er_models.model import Array
@@ -34,13 +35,16 @@ def steps(parameters: Sequence[Param], values: Array, share: float | None = None
     return np.asarray(np.where(values + step > high, -step, step))
 
 
-def quotients(rows: Rows, at: Array, step: Array, here: Array, first: int = 0) -> Array:
-    """Derivatives (n, p - first) of rows by the coordinates of a point at (p,), from the first one on.
+def quotients(
+    rows: Rows, at: Array, step: Array, here: Array, columns: NDArray[np.intp] | None = None
+) -> Array:
+    """Derivatives (n, columns) of rows by coordinates of a point at (p,): those of some columns, or all.
 
     here (n,): outputs at the point; zero where the model gives no number, or one beyond measure.
     """
-    points = (at + np.diag(step))[first:]
-    exact = (points - at)[:, first:].diagonal()
+    along = np.arange(at.size) if columns is None else columns
+    points = (at + np.diag(step))[along]
+    exact = (points - at)[:, along].diagonal()
     with np.errstate(invalid="ignore", over="ignore"):
         change = (rows(points) - here).T / exact
     return np.where(np.abs(change) < BEYOND_MEASURE, change, 0.0)

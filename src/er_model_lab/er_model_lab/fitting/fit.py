@@ -355,22 +355,15 @@ def _jacobian(box: Box, theta: Array, f: Array, problem: Problem, known: Array |
     Columns that are known already are taken over.
     """
     near, step = problem.begun(box.model_at(theta)), steps(box.parameters, theta)
-    first = 0 if known is None else known.shape[1]
+    columns = np.arange(0 if known is None else known.shape[1], theta.size)
 
     def rows(points: Array) -> Array:
         return near.predict_many(box.model, box.vectors(points))
 
-    new = quotients(rows, theta, step, f, first)
-    peaked = [k for k in _peaked(new) if box.parameters[first + k].step <= CONTACT]
+    new = quotients(rows, theta, step, f, columns)
+    peaked = [k for k in _peaked(new) if box.parameters[columns[k]].step <= CONTACT]
     if peaked:
-        some = first + np.array(peaked)
-
-        def along(values: Array) -> Array:
-            points = np.repeat(theta[None], len(values), axis=0)
-            points[:, some] = values
-            return rows(points)
-
-        further = quotients(along, theta[some], LONGER * step[some], f)
+        further = quotients(rows, theta, LONGER * step, f, columns[peaked])
         new[:, peaked] = np.where(_jumps(new[:, peaked], further), 0.0, new[:, peaked])
     return new if known is None else np.hstack([known, new])
 

@@ -59,6 +59,18 @@ def measured(record: Record) -> dict[str, Array]:
     return found
 
 
+def parted(record: Record) -> Array | None:
+    """What a deflection does from each sample to the next beyond what its measured velocity says (n - 1,) [m].
+
+    None where one of both was not measured.
+    """
+    have = measured(record)
+    if "deflection" not in have or "deflection_velocity" not in have:
+        return None
+    v = have["deflection_velocity"]
+    return np.asarray(np.diff(have["deflection"]) - 0.5 * record.dt * (v[1:] + v[:-1]))
+
+
 def pairs(record: Record) -> list[Pair]:
     """What each pair of motion channels says; pairs without anything in common are left out."""
     found = []
@@ -209,12 +221,12 @@ def gravity_findings(record: Record) -> Iterator[Finding]:
 
 def offset_findings(record: Record) -> Iterator[Finding]:
     """A velocity channel that does not add up to the deflection."""
-    have = measured(record)
-    if "deflection" not in have or "deflection_velocity" not in have:
+    apart = parted(record)
+    if apart is None:
         return
-    x, v = have["deflection"], have["deflection_velocity"]
+    x, v = (record.channels[name] for name in ("deflection", "deflection_velocity"))
     seconds = (len(record) - 1) * record.dt
-    offset = float(np.mean(0.5 * (v[1:] + v[:-1])) - (x[-1] - x[0]) / seconds)
+    offset = -float(np.mean(apart)) / record.dt
     moving = float(np.sqrt(np.mean((v - v.mean()) ** 2)))
     sd = white_noise([v]) / np.sqrt(len(record)) + np.sqrt(2.0) * _small(x) / seconds
     if abs(offset) > max(6.0 * sd, 2e-3 * moving):

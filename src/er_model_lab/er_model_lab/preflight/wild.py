@@ -8,12 +8,12 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from er_models.model import Array
 from er_records.missing_channels import ACCELEROMETERS
 from er_records.record import Record
 
 from er_model_lab.preflight.bent_ends import bent_ends
 from er_model_lab.preflight.finding import Finding, Level, joined
+from er_model_lab.preflight.kinematics import parted
 from er_model_lab.preflight.samples import FEW, clipped, hung, others
 from er_model_lab.preflight.spikes import LEAST, Mask, spikes
 
@@ -62,16 +62,8 @@ def _wild(record: Record, name: str) -> Mask:
         rows = np.arange(y.size)
         sound = ~(flat | alone)
         y = np.interp(rows, rows[sound], y[sound])
-    return np.asarray(flat | alone | bent_ends(y, _apart(record, name)))
-
-
-def _apart(record: Record, name: str) -> Array | None:
-    """By how much deflection and measured velocity part from each sample to the next (n - 1,) [m]; None: no pair."""
-    both = ("deflection", "deflection_velocity")
-    if name not in both or any(c in record.derived or not record.has(c) for c in both):
-        return None
-    x, v = (record.channels[c] for c in both)
-    return np.asarray(np.diff(x) - 0.5 * record.dt * (v[:-1] + v[1:]))
+    apart = parted(record) if name in ("deflection", "deflection_velocity") else None
+    return np.asarray(flat | alone | bent_ends(y, apart))
 
 
 def bridged(record: Record) -> Record:
