@@ -168,21 +168,22 @@ def test_what_pruning_loses_is_looked_for_once_more(left, again, monkeypatch):
     assert best.effects == (("b", "c", "d") if again else ("b", "c"))
 
 
-@pytest.mark.parametrize(("goes_on", "passes", "exchanged"), [
-    (False, True, True), (True, False, True), (True, True, False)
+@pytest.mark.parametrize(("goes_on", "passes", "noise", "exchanged"), [
+    (False, True, 0.5, True), (True, False, 0.5, True), (True, True, 0.9, True), (True, True, 0.5, False)
 ])  # fmt: skip
 def test_nothing_is_exchanged_while_a_further_effect_passes_that_another_search_takes(
-    goes_on, passes, exchanged, monkeypatch
+    goes_on, passes, noise, exchanged, monkeypatch
 ):
     """MTS: a friction by direction stood in for the viscosity that was still missing, and barred the way to it."""
     both, other = seen("b", 1.0, ("a", "b")), seen("c", 0.9, ("c", "b"))
     further = SimpleNamespace(taken=other if passes else None)
-    monkeypatch.setattr(investigation, "_grow", lambda *_: (both, "floor", further))
+    floor = SimpleNamespace(floor=noise)
+    monkeypatch.setattr(investigation, "_grow", lambda *_: (both, floor, further))
     monkeypatch.setattr(investigation, "prune", lambda *_: both)
     monkeypatch.setattr(investigation, "swapped", lambda *_: (other, ()))
     monkeypatch.setattr(investigation, "plain", lambda best, *_: (best, ()))
     for name in ("_alternatives", "halves", "clock_ties"):
         monkeypatch.setattr(investigation, name, lambda *_: ())
     rounds = [SimpleNamespace(threshold=1.0)]
-    best, *_ = investigation._searched(both, rounds, "floor", None, 0, Rule(goes_on=goes_on))
+    best, *_ = investigation._searched(both, rounds, floor, None, 0, Rule(goes_on=goes_on))
     assert best is (other if exchanged else both)

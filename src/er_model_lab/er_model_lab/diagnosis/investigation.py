@@ -12,7 +12,7 @@ from er_model_lab.diagnosis.clock import clock_ties, second_clocks
 from er_model_lab.diagnosis.coverage import Coverage, coverage
 from er_model_lab.diagnosis.determined import loose
 from er_model_lab.diagnosis.evidence import VISIBLE, evidence, reasons, shares
-from er_model_lab.diagnosis.floor_estimates import credible
+from er_model_lab.diagnosis.floor_estimates import AGREE, credible
 from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
@@ -142,14 +142,21 @@ def _searched(
         else:
             best = kept
     ties = _alternatives(best, rounds)
-    # what stands in for the effects that are still missing looks better than what is there
-    early = rule.goes_on and further is not None and further.taken is not None
-    if len(best.effects) > 1 and not early:
-        best, ties = swapped(best, rounds, problem)
+    if len(best.effects) > 1:
+        whole, groups = swapped(best, rounds, problem)
+        # what stands in for effects that are still missing looks better than what is there
+        if whole is best or not (rule.goes_on and _incomplete(best, floor, further)):
+            best, ties = whole, groups
         ties = (*ties, *halves(best, rounds, ties))
     best, special = plain(best, problem, rounds[-1].threshold)
     ties = (*ties, *special)
     return best, floor, (*ties, *clock_ties(best, rounds, ties, problem)), further
+
+
+def _incomplete(best: Candidate, floor: Floor, further: Round | None) -> bool:
+    """Whether a further effect passes beside a model that leaves more than the floor."""
+    passed = further is not None and further.taken is not None
+    return passed and best.mse > (AGREE * floor.floor) ** 2
 
 
 def halves(

@@ -18,8 +18,8 @@ class Rule:
     another law; helps: share of what is explainable that what is named must explain together; small_steps: as beside
     effects that explain a part, less steadiness is asked for, errors of a motion that is rounded at its reversals only
     where they act, and an effect whose values the data do not determine is not taken; goes_on: another search follows,
-    so that nothing is exchanged while a further effect passes; barred: effects that are not taken, as held-out data
-    refuse them.
+    so that nothing is exchanged while a further effect passes and more than noise is left; barred: effects that are
+    not taken, as held-out data refuse them.
 
     Raises:
         InputError: a rate or a share that is none.
