@@ -29,6 +29,7 @@ from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
 from er_model_lab.fitting.fit import (
+    NEAR,
     Box,
     Fit,
     about,
@@ -36,6 +37,7 @@ from er_model_lab.fitting.fit import (
     fit,
     part_of,
     standard_deviations,
+    turned,
     widths,
 )
 from er_model_lab.problem.forward import colour_of
@@ -58,7 +60,7 @@ worth a move."""
 UNTOLD, PART, REFUSED = 0.1, 0.3, 3.0
 """Standard deviation, as a share of what values may be before any data, from which on a direction is hardly told; part
 of that direction from which on a value lies along it; standard deviations by which data refuse a value."""
-NEAR = 3.0
+WITHIN = 3.0
 """Standard deviations within which the likelihood about a fit is looked at."""
 
 
@@ -91,21 +93,43 @@ def _step(j: Array, e: Array, inner: NDArray[np.bool_]) -> Array:
     return out
 
 
-def polished(fitted: Fit, problem: Problem, share: float) -> Fit:
-    """The fit moved along secants while that lowers the error, with those derivatives."""
+def polished(
+    fitted: Fit,
+    problem: Problem,
+    share: float,
+    known: Array | None = None,
+    *,
+    sketch: bool = False,
+) -> Fit:
+    """The fit moved along secants while that lowers the error, with those derivatives.
+
+    After a step that did what they promised they are turned, and taken anew where that leads no further. known (n, p):
+    derivatives near the start, which serve at first; sketch: nobody asks for them at the end.
+    """
     box, train, theta = Box(fitted.model, fitted.free, problem.scales), problem.train, fitted.theta
-    f, j = secants(box, theta, problem, share)
-    inner = ~fitted.at_bound
+    if known is None:
+        f, j = secants(box, theta, problem, share)
+    else:
+        f, j = problem.predict(fitted.model), known
+    inner, rests = ~fitted.at_bound, known is not None
     for _ in range(POLISH):
-        e = problem.force - f
-        step = _step(j[train], e[train], inner)
+        e = (problem.force - f)[train]
+        cost, step = np.mean(e**2), _step(j[train], e, inner)
         points = np.clip(theta + np.outer((1.0, 0.5, 0.2), step), box.low, box.high)
         forces = problem.predict_many(box.model, box.vectors(points))
         costs = np.mean((problem.force - forces)[:, train] ** 2, axis=1)
         best = int(np.argmin(np.where(np.isfinite(costs), costs, np.inf)))
-        if not costs[best] < np.mean(e[train] ** 2) * (1.0 - 1e-6):
+        if costs[best] < cost * (1.0 - 1e-6):
+            way, went = points[best] - theta, forces[best] - f
+            theta, f = points[best], forces[best]
+            straight = e - j[train] @ way
+            if cost - costs[best] > NEAR * (cost - np.mean(straight**2)):
+                j, rests = turned(j, way, went, np.mean(j[train] ** 2, axis=0)), True
+                continue
+        elif not rests:
             break
-        theta = points[best]
+        (f, j), rests = secants(box, theta, problem, share), False
+    if rests and not sketch:
         f, j = secants(box, theta, problem, share)
     edge = (theta <= box.low) | (theta >= box.high)
     return replace(
@@ -129,7 +153,7 @@ def moved(fitted: Fit, problem: Problem, share: float) -> Fit:
             replace(here, model=box.model_at(x), theta=x)
             for x in points[np.argsort(costs)[:TRIED]]
         ]
-        tried = [polished(f, near, share) for f in begun]
+        tried = [polished(f, near, share, here.jacobian, sketch=True) for f in begun]
         best = min(tried, key=lambda f: f.mse(near.train), default=here)
         if not best.mse(near.train) < least * here.mse(near.train):
             break
@@ -155,7 +179,7 @@ def breadth(fitted: Fit, problem: Problem) -> Array:
     """
     points, costs = _looked(fitted, about(fitted, problem))
     lacks = _independent(fitted, problem) * (costs / max(fitted.mse(problem.train), 1e-300) - 1.0)
-    near = lacks < NEAR**2
+    near = lacks < WITHIN**2
     away = np.abs(points - fitted.theta)[near] / np.sqrt(np.maximum(lacks[near], 1.0))[:, None]
     wide = away.max(axis=0, initial=0.0)
     return np.where(_switching(fitted, problem), wide, 0.0)

@@ -255,7 +255,7 @@ def _leg(
         if not rests and (gain < tol or (cost > target and not exact)):
             break
         if near and gain > tol and rests < RESTS and turns:
-            jacobian, rests = _turned(jacobian, step, moved, np.diag(h)), rests + 1
+            jacobian, rests = turned(jacobian, step, moved, np.diag(h)), rests + 1
         else:
             jacobian, exact, at, rests = _jacobian(box, theta, f, there, None), True, theta, 0
     if rests and not sketch:
@@ -263,7 +263,7 @@ def _leg(
     return _Leg(theta, f, jacobian, cost, at, exact, rounds)
 
 
-def _turned(jacobian: Array, step: Array, moved: Array, weight: Array) -> Array:
+def turned(jacobian: Array, step: Array, moved: Array, weight: Array) -> Array:
     """Derivatives (n, p) that tell what a step (p,) has moved (n,), else as they were (Broyden 1965).
 
     weight (p,): how much each parameter counts in what a step is.
