@@ -17,7 +17,7 @@ from er_models.simulation import initial_state, prepare, simulate
 from er_models.simulation import step as step_car
 from er_observers.faults import decision, evidence, follow, passage, regression, sums, tick
 from er_observers.faults.estimator import start, step
-from er_observers.faults.rules import RULES, estimator
+from er_observers.faults.rules import RULES, Rules, estimator
 from er_observers.faults.sample import Estimate, FactorStatus, Kind, Sample, Status
 from er_studies.faults.trials import Drive, Trial, drive, faults
 
@@ -27,10 +27,10 @@ NAMED = {"f1": Kind.ELECTRICAL, "f2": Kind.LEAKAGE, "f3": Kind.DEFORMATION}
 
 
 def said(
-    model: Model, samples: Sequence[Sample], force_noise: float | None = None
+    model: Model, samples: Sequence[Sample], force_noise: float | None = None, rules: Rules = RULES
 ) -> list[Estimate]:
     """Every estimate along the samples."""
-    p = estimator(model, force_noise=force_noise)
+    p = estimator(model, rules, force_noise)
     state = start(p, samples[0])
     found = [state.estimate]
     for sample in samples[1:]:
@@ -110,6 +110,27 @@ def test_what_is_no_fault_is_not_called_one_in_silence(car: Model, name: str) ->
         assert max(e.test_ratio for e in found) > 1.0
     assert not any(e.kind > Kind.NONE and not e.unexplained for e in found)
     assert FactorStatus.CONFIRMED not in {s for e in found for s in e.states}
+
+
+@pytest.mark.parametrize("lasting", [10.0, 30.0, 100.0])
+def test_what_disagrees_is_in_doubt_before_it_is_unexplained(car: Model, lasting: float) -> None:
+    samples = drive(Trial(7000, duration=16.0, road="iso8608"), car).samples
+    rubs = 1.0 / car.effects["quarter_car"]["m_s"]
+    disturbed = [
+        s._replace(sprung_acceleration=s.sprung_acceleration - rubs * math.copysign(1.0, s.deflection_velocity))
+        if 6.0 < s.t - samples[0].t < 6.6 else s
+        for s in samples
+    ]  # fmt: skip
+    found = said(car, disturbed, rules=replace(RULES, lasting=lasting))
+    doubts = [k for k, e in enumerate(found) if e.status is Status.DEGRADED]
+    unexplained = [k for k, e in enumerate(found) if e.unexplained]
+    assert 6.0 < doubts[0] * DT < 7.5
+    assert not any(FactorStatus.CONFIRMED in found[k].states for k in doubts)
+    if lasting == 100.0:
+        assert not unexplained
+    else:
+        assert (unexplained[0] - doubts[0]) * DT == pytest.approx(0.1 * lasting, abs=0.11)
+    assert found[-1].status is Status.OK
 
 
 def test_a_fading_field_is_a_loss_of_f1_and_named_so(car: Model) -> None:

@@ -31,15 +31,15 @@ from er_observers.observers.copies import copy_row
 
 UNKNOWN, HEALTHY, SUSPECTED, CONFIRMED, NOT_EXCITED, CONFOUNDED = range(6)
 """Statuses of a factor, as FAULT_* of the message."""
-KIND, CERTAINTY, TRIED, TRIALS, MISFIT, RESIDUAL, RATIO, DOUBTS, UNEXPLAINED = range(9)
+KIND, CERTAINTY, TRIED, TRIALS, MISFIT, RESIDUAL, RATIO, DOUBTS, DOUBTED = range(9)
 FACTORS, SPREAD, STATUS, EXCITED, OWN, PROBABILITY = (
     slice(9, 12), slice(12, 15), slice(15, 18), slice(18, 21), slice(21, 24), slice(24, 29),
 )  # fmt: skip
 SINGLE, SEEN, SHARES = 29, 30, slice(31, 34)
 LENGTH = 34
-"""Places in a verdict (34,). OWN: factor of each fault if it is the only one; SINGLE: whether the field has had one
-strength only; SEEN: whether the damper was healthy once while its field could be seen; SHARES: likeliest ones of
-several faults."""
+"""Places in a verdict (34,). DOUBTED: for how many blocks something has been in doubt, 0: nothing is. OWN: factor of
+each fault if it is the only one; SINGLE: whether the field has had one strength only; SEEN: whether the damper was
+healthy once while its field could be seen; SHARES: likeliest ones of several faults."""
 SOME = -2
 """Kind of a fault that is sure, but which one is not; -1 is nothing known yet."""
 _KEPT = 0.5
@@ -186,15 +186,15 @@ def _name(rules: Array, likely: int, verdict: Array) -> None:
 
 @compiled
 def _doubt(rules: Array, verdict: Array) -> None:
-    """Say that something is unexplained, and take it back, when it has been so for a while."""
+    """Doubt that this explains all, and take it back, when it has been so for a while; count how long."""
     step = 1.0 if verdict[RATIO] > 1.0 else (-1.0 if verdict[RATIO] < rules[AGAIN] else 0.0)
     if _weak_from_the_start(rules, verdict):
         step = 1.0
     verdict[DOUBTS] = min(max(verdict[DOUBTS] + step, 0.0), 2.0 * rules[BLOCKS_IN_A_ROW])
-    if verdict[DOUBTS] >= rules[BLOCKS_IN_A_ROW]:
-        verdict[UNEXPLAINED] = 1.0
-    elif verdict[DOUBTS] <= 0.0:
-        verdict[UNEXPLAINED] = 0.0
+    if verdict[DOUBTS] <= 0.0:
+        verdict[DOUBTED] = 0.0
+    elif verdict[DOUBTED] > 0.0 or verdict[DOUBTS] >= rules[BLOCKS_IN_A_ROW]:
+        verdict[DOUBTED] += 1.0
 
 
 @compiled
@@ -217,10 +217,12 @@ def _states(rules: Array, verdict: Array) -> None:
             status = NOT_EXCITED
         elif named == -1:
             status = UNKNOWN
-        elif mine and verdict[UNEXPLAINED] <= 0.0 and p[named] >= rules[SURE]:
+        elif mine and verdict[DOUBTED] <= 0.0 and p[named] >= rules[SURE]:
             status = CONFIRMED
         elif not lost:
             status = HEALTHY
+        elif verdict[DOUBTED] > 0.0:
+            status = SUSPECTED
         elif named == SOME or (np.max(p) < rules[SURE] and p[NONE] < 1.0 - rules[SURE]):
             status = CONFOUNDED
         else:

@@ -139,12 +139,15 @@ def _says(p: Estimator, memory: Array, lost: float) -> Estimate:
         return NOTHING._replace(status=Status.INVALID, reason=reason)
     verdict = memory[tick.VERDICT]
     kind = Kind(int(verdict[decision.KIND]))
-    unexplained = bool(verdict[decision.UNEXPLAINED] > 0.0)
+    doubted = float(verdict[decision.DOUBTED])
+    unexplained = doubted > p.rules.lasting
     status, reason = Status.OK, ""
     if unexplained:
         status, reason = Status.UNEXPLAINED, "something that is no fault acts as well"
     elif lost > 0.0:
         status, reason = Status.DEGRADED, "samples are missing"
+    elif doubted > 0.0:
+        status, reason = Status.DEGRADED, "measurement and model disagree"
     elif kind is Kind.UNKNOWN:
         status, reason = Status.INITIALISING, "not enough samples yet"
     f1, f2, f3 = verdict[decision.FACTORS].tolist()

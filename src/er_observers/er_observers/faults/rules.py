@@ -23,14 +23,14 @@ class Rules:
     tolerance: relative deviation of every parameter of damper and body. hold: time without samples until the estimate
     is invalid [s]. sure: probability that names a kind, in `blocks` blocks in a row. smallest: loss that is a fault.
     known, lost: deviation of a factor below which it is estimated and above which it is no longer excited. limit: rms
-    residual over noise, and belief: deviations of an unknown from what was believed, that are unexplained; again: test
-    ratio below which that is over. colour: how often neighbouring residuals say the same. cut: misfit of a block over
-    that of the window that begins a new window; least: blocks before a verdict; calm: blocks in the window while all is
-    well; fresh: blocks too young to learn from when the window is cut; anew: blocks after a cut in which all samples
-    since then are followed again. memory: how long lessons last [s]; settle: pace of the mean square of the
-    velocity [1/s]. healthy, single, combined: probabilities before
-    any sample. road: how fast the road may be, over the greatest velocity of the damper; real: rms velocity over its
-    deviation from which samples count.
+    residual over noise, and belief: deviations of an unknown from what was believed, that are in doubt; again: test
+    ratio below which that is over; lasting: blocks of doubt after which something is unexplained. colour: how often
+    neighbouring residuals say the same. cut: misfit of a block over that of the window that begins a new window;
+    least: blocks before a verdict; calm: blocks in the window while all is well; fresh: blocks too young to learn from
+    when the window is cut; anew: blocks after a cut in which all samples since then are followed again. memory: how
+    long lessons last [s]; settle: pace of the mean square of the velocity [1/s]. healthy, single, combined:
+    probabilities before any sample. road: how fast the road may be, over the greatest velocity of the damper; real: rms
+    velocity over its deviation from which samples count.
     """
 
     tolerance: float = 0.05
@@ -43,6 +43,7 @@ class Rules:
     limit: float = 1.5
     belief: float = 2.5
     again: float = 0.85
+    lasting: float = 30.0
     colour: float = 1.5
     cut: float = 3.0
     least: float = 3.0

@@ -17,6 +17,7 @@ from er_models.model import Array
 from er_observers.faults import follow
 from er_observers.faults.decision import (
     COLOUR,
+    DOUBTED,
     KIND,
     LEAST_MISFIT,
     LENGTH,
@@ -24,7 +25,6 @@ from er_observers.faults.decision import (
     RESIDUAL,
     SINGLE,
     TRIED,
-    UNEXPLAINED,
     decide,
 )
 from er_observers.faults.evidence import NONE, free
@@ -327,9 +327,7 @@ def expect(memory: Array, known: Array) -> None:
 @compiled
 def _well(verdict: Array) -> bool:
     """Whether the damper is healthy and nothing speaks against it."""
-    return (
-        int(verdict[KIND]) == NONE and int(verdict[TRIED]) == NONE and verdict[UNEXPLAINED] <= 0.0
-    )
+    return int(verdict[KIND]) == NONE and int(verdict[TRIED]) == NONE and verdict[DOUBTED] <= 0.0
 
 
 @compiled
