@@ -15,6 +15,10 @@ MODELS = ("src/er_models/er_models", "src/er_studies/er_studies/bench/models")
 DEAR = 2.0
 """Ratio from which on an effect is shown."""
 PARTS = ("prediction", "ride", "batch", "length", "number", "memory", "effects", "starting")
+PAGE = (
+    "src/er_model_lab/er_model_lab/page", "src/er_model_lab/er_model_lab/session", "src/er_model_lab/er_model_lab/live",
+    "src/er_model_lab/er_model_lab/monitor",
+)  # fmt: skip
 STEPS = ("observers, duty that varies", "observers, duty that switches")
 
 
@@ -50,6 +54,14 @@ TABLES: Tables = {
     **_bench(
         "lab", "lab minute length number --longest 120", LAB,
         "minute", "lengths", "numbers", "machine of lab", page="lab_speed.md",
+    ),
+    **_bench(
+        "page", "page", PAGE,
+        "work of the page", "figures of the live page", "machine of the page", "page in a browser", page="page.md",
+    ),
+    **_bench(
+        "monitor", "monitor", PAGE,
+        "core of the monitor", "machine of the monitor", "beside the loop", "processes beside the loop", page="page.md",
     ),
     **_bench("lab_beginnings", "lab beginnings", LAB, "beginnings", page="lab_speed.md"),
     **_bench("lab_page", "lab page", LAB, "page of my rig", "machine of my rig", page="lab_speed.md"),

@@ -12,7 +12,7 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from er_studies.bench.ros_beside import LIVE, NOTHING, PAGE, PHASES, Phase, family, markdown, ratio
+from er_studies.bench.ros_beside import LIVE, NOTHING, PAGE, PHASES, Phase, family, ratio, tables
 from er_studies.bench.ros_monitor import MONITOR, missed
 
 
@@ -36,13 +36,12 @@ def test_a_prediction_that_came_late_or_never_is_late() -> None:
 
 def test_the_loop_is_compared_turn_by_turn_since_a_machine_gets_slower() -> None:
     assert ratio(phase(1.5), phase()) == pytest.approx(1.5)
-    lines = markdown({name: phase(1.0 + k) for k, name in enumerate(PHASES)})
-    assert f"| {PAGE} | 6.00 | " in "\n".join(lines)
-    assert [line.split("|")[5].strip() for line in lines[2:6]] == ["1.00", "2.00", "3.00", "4.00"]
-    assert lines[-1] == (
-        f"- {PAGE}: of 300 samples the prediction was later than the tick for 0.00%, "
-        "the controller's answer for 58.33%"
-    )
+    loops, processes = tables({name: phase(1.0 + k) for k, name in enumerate(PHASES)})
+    assert [row[4] for row in loops.rows] == ["1.00", "2.00", "3.00", "4.00"]
+    assert loops.rows[-1][:2] == [PAGE, "6.00"]
+    assert loops.rows[-1][-2:] == ["0.00%", "58.33%"]
+    assert loops.rows[0][-2:] == ["", ""]
+    assert ["plant", "6.0", "1.00"] in processes.rows
 
 
 def test_late_predictions_and_a_dear_page_are_missed() -> None:

@@ -35,6 +35,7 @@ from er_ros_common import qos
 from er_studies.bench import browser
 from er_studies.bench.graph import usage
 from er_studies.bench.ros import START
+from er_studies.given_out import Table
 
 NOTHING, PLAIN, LIVE, PAGE = "nothing", "plain rclpy", "live page", "monitor and live page"
 PHASES = (NOTHING, PLAIN, MONITOR.name, PAGE)
@@ -239,24 +240,33 @@ def _read(said: io.StringIO, words: str) -> None:
         sleep(PERIOD)
 
 
-def markdown(phases: dict[str, Phase]) -> list[str]:
-    """The figures as tables."""
-    lines = [
-        "| beside plant and controller | loop p50 ms | p99 | p99.9 | p99 over that beside nothing | % of a core |",
-        "|---|---|---|---|---|---|",
-    ]
+def tables(phases: dict[str, Phase]) -> list[Table]:
+    """The loop with each of what runs beside it, and what each process takes of a core."""
+    rows = []
     for name, phase in phases.items():
         p50, p99, p999 = np.percentile(np.concatenate(phase.loop), (50.0, 99.0, 99.9))
         times = ratio(phase, phases[NOTHING])
-        lines.append(
-            f"| {name} | {p50:.2f} | {p99:.2f} | {p999:.2f} | {times:.2f} | {np.mean(phase.cpu):.1f} |"
+        late = (
+            [f"{phase.late:.2%}", f"{phase.late_loop:.2%}"]
+            if name in (MONITOR.name, PAGE)
+            else ["", ""]
         )
-    parts = ", ".join(f"{name} {share:.1f} %" for name, share in phases[PAGE].parts.items())
-    lines += ["", f"- beside one another: {parts} of a core"]
-    for name in (MONITOR.name, PAGE):
-        phase = phases[name]
-        lines.append(
-            f"- {name}: of {phase.due} samples the prediction was later than the tick for {phase.late:.2%}, "
-            f"the controller's answer for {phase.late_loop:.2%}"
-        )
-    return lines
+        size = [
+            f"{p50:.2f}",
+            f"{p99:.2f}",
+            f"{p999:.2f}",
+            f"{times:.2f}",
+            f"{np.mean(phase.cpu):.1f}",
+        ]
+        rows.append([name, *size, *late])
+    head = [
+        "beside plant and controller", "loop p50 ms", "p99", "p99.9", "p99 over that beside nothing", "% of a core",
+        "predictions late", "answers of the controller late",
+    ]  # fmt: skip
+    own = phases[MONITOR.name].parts[MONITOR.name]
+    parts = {**phases[PAGE].parts, **phases[PLAIN].parts, **phases[MONITOR.name].parts}
+    shares = [[name, f"{share:.1f}", f"{own / share:.2f}"] for name, share in parts.items()]
+    return [
+        Table(head, rows),
+        Table(["process", "% of a core", "the monitor's share over it"], shares),
+    ]

@@ -22,7 +22,6 @@ from typing import Any
 import numpy as np
 from er_bringup.up import configuration
 from er_common.topics import ACCELERATION, DEFLECTION, FORCE, PWM_APPLIED, Topic
-from er_ftc_controller.programs import SKYHOOK
 from er_ftc_controller.ros_skyhook import SkyhookCore, SkyhookParameters
 from er_model_lab.monitor.settings import MonitorParameters
 from er_model_lab.programs import MONITOR
@@ -33,12 +32,13 @@ from er_models.model import Model
 from er_models.one_line import OneLine
 from er_models.program import load_program, resolve
 from er_models.simulation import simulate
-from er_plant_sim.programs import PLANT
 from er_ros_common.core import Core, When
 
 from er_ros_common import builders
 from er_studies.bench import ros_beside as beside
-from er_studies.bench.ros_beside import LIVE, PAGE, PLAIN, Phase
+from er_studies.bench.machine import machine
+from er_studies.bench.ros_beside import LIVE, PAGE, Phase
+from er_studies.given_out import Table, markdown, say
 
 DT = 0.005
 LATE, SHARE = 1e-3, 15.0
@@ -112,29 +112,22 @@ def cores(seconds: float) -> list[Cost]:
     ]
 
 
-def markdown(found: Sequence[Cost], phases: dict[str, Phase]) -> str:
-    """The figures as tables."""
-    lines = [
-        f"load average of the machine {os.getloadavg()[0]:.1f}, {os.cpu_count()} cores", "",
-        "| core | us a sample | p50 | p95 | p99 | % of a core at 200 Hz |", "|---|---|---|---|---|---|",
-    ]  # fmt: skip
-    for c in found:
-        lines.append(
-            f"| {c.name} | {c.mean:.0f} | {c.p50:.0f} | {c.p95:.0f} | {c.p99:.0f} | {c.share:.1f} |"
-        )
-    lines += [
-        "",
-        f"- the monitor takes {found[0].mean / found[1].mean:.1f} times as long as the plain loop's core",
+def tables(found: Sequence[Cost], phases: dict[str, Phase]) -> list[Table]:
+    """The figures; the plain loop's core is the last one found."""
+    head = [
+        "core",
+        "us a sample",
+        "p50",
+        "p95",
+        "p99",
+        "% of a core at 200 Hz",
+        "over the last one",
     ]
-    if phases:
-        by = phases[MONITOR.name].parts
-        own, plain = by[MONITOR.name], phases[PLAIN].parts[PLAIN]
-        lines += ["", *beside.markdown(phases)]
-        lines.append(
-            f"- the monitor's process takes {own / by[PLANT.name]:.2f} of the plant's, {own / by[SKYHOOK.name]:.2f} of "
-            f"the controller's, {own / plain:.2f} of {PLAIN} with the same ends: {own - plain:.1f} % more"
-        )  # fmt: skip
-    return "\n".join(lines)
+    rows = []
+    for c in found:
+        times = [f"{t:.0f}" for t in (c.mean, c.p50, c.p95, c.p99)]
+        rows.append([c.name, *times, f"{c.share:.1f}", f"{c.mean / found[-1].mean:.1f}"])
+    return [Table(head, rows), machine(), *(beside.tables(phases) if phases else [])]
 
 
 def missed(phases: dict[str, Phase]) -> bool:
@@ -163,7 +156,7 @@ def main() -> None:
         except ErError as error:
             sys.stderr.write(f"er bench monitor: {error}\n")
             sys.exit(error.exit_status)
-    sys.stdout.write(markdown(found, phases) + "\n")
+    say("\n".join(map(markdown, tables(found, phases))))
     sys.exit(1 if missed(phases) else 0)
 
 
