@@ -34,6 +34,8 @@ def start(package: str, name: str) -> None:
     """What a console script calls; raises `KeyError` where the package has no such program."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _leave)
+    # a second thread of BLAS spins on a core of its own for the few products of a tick
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         programs = import_module(f"{package}.programs").PROGRAMS
         run({program.name: program for program in programs}[name])
