@@ -18,12 +18,15 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.task import Future
 
+from er_ros_common import entry
 from er_ros_common import spin as spin_module
 
 pytestmark = pytest.mark.alone
 
 NODE = Path(__file__).with_name("demo_node.py")
 DOMAIN = str(150 + os.getpid() % 50)
+
+BLAS = "OPENBLAS_NUM_THREADS"
 
 
 def start(*args: str) -> subprocess.Popen[str]:
@@ -261,3 +264,24 @@ def test_a_signal_ends_a_program_whose_node_is_still_being_made(number: int) -> 
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
     )
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.mark.parametrize(("asked", "threads"), [(None, "1"), ("3", "3")])
+def test_a_node_has_one_thread_of_blas_unless_asked(
+    asked: str | None, threads: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A second one spins: the plant took a core more once it made its road while it drove."""
+    monkeypatch.setenv(BLAS, "")
+    if asked is None:
+        monkeypatch.delenv(BLAS)
+    else:
+        monkeypatch.setenv(BLAS, asked)
+    seen: list[str | None] = []
+    monkeypatch.setattr(entry, "run", lambda _: seen.append(os.environ.get(BLAS)))
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        entry.start("er_plant_sim", "plant")
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    assert seen == [threads]

@@ -93,18 +93,11 @@ def _step(j: Array, e: Array, inner: NDArray[np.bool_]) -> Array:
     return out
 
 
-def polished(
-    fitted: Fit,
-    problem: Problem,
-    share: float,
-    known: Array | None = None,
-    *,
-    sketch: bool = False,
-) -> Fit:
+def polished(fitted: Fit, problem: Problem, share: float, known: Array | None = None) -> Fit:
     """The fit moved along secants while that lowers the error, with those derivatives.
 
     After a step that did what they promised they are turned, and taken anew where that leads no further. known (n, p):
-    derivatives near the start, which serve at first; sketch: nobody asks for them at the end.
+    derivatives near the start of a mere sketch: they serve at first, and at the end none are taken anew.
     """
     box, train, theta = Box(fitted.model, fitted.free, problem.scales), problem.train, fitted.theta
     if known is None:
@@ -113,8 +106,8 @@ def polished(
         f, j = problem.predict(fitted.model), known
     inner, rests = ~fitted.at_bound, known is not None
     for _ in range(POLISH):
-        e = (problem.force - f)[train]
-        cost, step = np.mean(e**2), _step(j[train], e, inner)
+        e, slopes = (problem.force - f)[train], j[train]
+        cost, step = np.mean(e**2), _step(slopes, e, inner)
         points = np.clip(theta + np.outer((1.0, 0.5, 0.2), step), box.low, box.high)
         forces = problem.predict_many(box.model, box.vectors(points))
         costs = np.mean((problem.force - forces)[:, train] ** 2, axis=1)
@@ -122,14 +115,14 @@ def polished(
         if costs[best] < cost * (1.0 - 1e-6):
             way, went = points[best] - theta, forces[best] - f
             theta, f = points[best], forces[best]
-            straight = e - j[train] @ way
-            if cost - costs[best] > NEAR * (cost - np.mean(straight**2)):
-                j, rests = turned(j, way, went, np.mean(j[train] ** 2, axis=0)), True
+            promised = cost - np.mean((e - slopes @ way) ** 2)
+            if cost - costs[best] > NEAR * promised:
+                j, rests = turned(j, way, went, np.mean(slopes**2, axis=0)), True
                 continue
         elif not rests:
             break
         (f, j), rests = secants(box, theta, problem, share), False
-    if rests and not sketch:
+    if rests and known is None:
         f, j = secants(box, theta, problem, share)
     edge = (theta <= box.low) | (theta >= box.high)
     return replace(
@@ -153,7 +146,7 @@ def moved(fitted: Fit, problem: Problem, share: float) -> Fit:
             replace(here, model=box.model_at(x), theta=x)
             for x in points[np.argsort(costs)[:TRIED]]
         ]
-        tried = [polished(f, near, share, here.jacobian, sketch=True) for f in begun]
+        tried = [polished(f, near, share, here.jacobian) for f in begun]
         best = min(tried, key=lambda f: f.mse(near.train), default=here)
         if not best.mse(near.train) < least * here.mse(near.train):
             break

@@ -244,21 +244,11 @@ def tables(phases: dict[str, Phase]) -> list[Table]:
     """The loop with each of what runs beside it, and what each process takes of a core."""
     rows = []
     for name, phase in phases.items():
-        p50, p99, p999 = np.percentile(np.concatenate(phase.loop), (50.0, 99.0, 99.9))
-        times = ratio(phase, phases[NOTHING])
-        late = (
-            [f"{phase.late:.2%}", f"{phase.late_loop:.2%}"]
-            if name in (MONITOR.name, PAGE)
-            else ["", ""]
-        )
-        size = [
-            f"{p50:.2f}",
-            f"{p99:.2f}",
-            f"{p999:.2f}",
-            f"{times:.2f}",
-            f"{np.mean(phase.cpu):.1f}",
-        ]
-        rows.append([name, *size, *late])
+        ages = np.percentile(np.concatenate(phase.loop), (50.0, 99.0, 99.9))
+        size = [f"{each:.2f}" for each in (*ages, ratio(phase, phases[NOTHING]))]
+        watches = name in (MONITOR.name, PAGE)
+        late = [f"{share:.2%}" if watches else "" for share in (phase.late, phase.late_loop)]
+        rows.append([name, *size, f"{np.mean(phase.cpu):.1f}", *late])
     head = [
         "beside plant and controller", "loop p50 ms", "p99", "p99.9", "p99 over that beside nothing", "% of a core",
         "predictions late", "answers of the controller late",
