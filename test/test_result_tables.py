@@ -2,7 +2,6 @@
 
 import json
 import re
-from collections import Counter
 
 import pytest
 from er_models.errors import InputError
@@ -31,25 +30,16 @@ def test_the_code_that_made_the_figures_is_the_code_that_is_here(name):
         pytest.skip(f"docs/results/{run.page}: other code made its tables of `./er {run.command}`")
 
 
-TYPED = {
-    "page.md": 1,
-    "peers.md": 1,
-    "performance.md": 2,
-    "reliability.md": 8,
-}
-"""Tables of figures that stand in a page as they were typed."""
-
-
 def test_tables_of_figures_are_made_not_typed():
     """A table is one of figures where most cells behind its first column begin with a digit."""
-    found = Counter()
     for page in DATA.parent.glob("*.md"):
         text = page.read_text(encoding="utf-8")
         rest = re.sub(r"<!-- table (.+?) -->\n.*?<!-- end of \1 -->\n", "", text, flags=re.S)
         for lines in re.findall(r"(?:^\|.*\n)+", rest, re.M):
             cells = [c.strip(" *") for row in lines.splitlines()[2:] for c in row.split("|")[2:-1]]
-            found[page.name] += 2 * sum(cell[:1].isdigit() for cell in cells) > len(cells)
-    assert +found == TYPED
+            assert 2 * sum(cell[:1].isdigit() for cell in cells) <= len(cells), (
+                f"{page.name}: {lines}"
+            )
 
 
 def test_the_fused_observer_is_not_behind():

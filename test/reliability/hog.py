@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,19 @@ from test.reliability.graph import running, well
 LOOP = "while True: pass"
 
 
+@contextmanager
+def busy(loops: int) -> Iterator[None]:
+    """So many busy loops beside the block, without any priority of ours."""
+    command = ["chrt", "--other", "0", sys.executable, "-I", "-c", LOOP]
+    hogs = [subprocess.Popen(command) for _ in range(loops)]
+    try:
+        yield
+    finally:
+        for hog in hogs:
+            hog.kill()
+            hog.wait()
+
+
 def run(seconds: int, priority: int = 0) -> int:
     """Print the ages of the applied duty before, during and after; 1 where it does not recover."""
     with (
@@ -25,14 +40,8 @@ def run(seconds: int, priority: int = 0) -> int:
         listener.ages.clear()
         listener.listen(seconds)
         before, listener.ages = listener.ages, []
-        command = ["chrt", "--other", "0", sys.executable, "-I", "-c", LOOP]
-        hogs = [subprocess.Popen(command) for _ in range(2)]  # chrt: not at our priority
-        try:
+        with busy(2):
             listener.listen(seconds)
-        finally:
-            for hog in hogs:
-                hog.kill()
-                hog.wait()
         during, listener.ages = listener.ages, []
         back = listener.until(lambda: well(listener), 5.0)
         listener.listen(seconds)

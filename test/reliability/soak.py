@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import sys
 import tempfile
 from pathlib import Path
@@ -12,6 +11,8 @@ from time import monotonic
 
 from er_ros_common.injection import Kind
 from er_studies.bench.graph import usage
+from er_studies.bench.machine import machine
+from er_studies.given_out import Table, markdown
 
 from er_common import topics
 from er_damper_msgs.srv import InjectFault
@@ -91,17 +92,34 @@ def run(seconds: int, priority: int = 0) -> int:
         alive = all(node.process.poll() is None for node in nodes.values())
         heard, impossible = sum(listener.count.values()), listener.impossible
         seen = witness.words(losses, began, monotonic())
-    sys.stdout.write(
-        f"{seconds} s, {count} faults, {heard} messages heard; load average {os.getloadavg()[1]:.1f}\n"
-    )
-    for name, size in last.items():
-        sys.stdout.write(f"{name}: {first[name]:.1f} MB, {size - first[name]:+.2f} MB since\n")
-    words = ", ".join(f"{name} {n}" for name, n in lost.items())
-    sys.stdout.write(f"lost outside the faults: {words}; not well 3 s after a fault: {unwell}; ")
-    sys.stdout.write(f"impossible: {len(impossible)}; all alive: {alive}\n")
+    grown = {name: size - first[name] for name, size in last.items()}
+    counts = ", ".join(f"{n} of `{name}`" for name, n in lost.items() if n) or "nothing"
+    head = [
+        "seconds",
+        "faults",
+        "messages",
+        "lost outside the faults",
+        f"growth of {', '.join(grown)}, MB",
+    ]
+    row = [
+        str(seconds),
+        str(count),
+        str(heard),
+        counts,
+        ", ".join(f"{mb:.2f}" for mb in grown.values()),
+    ]
+    sys.stdout.write(markdown(Table(head, [row])) + "\n" + markdown(machine()) + "\n")
+    sys.stdout.write(f"not well 3 s after a fault: {unwell}; impossible: {len(impossible)}\n")
+    if not alive:
+        sys.stdout.write("a node has ended\n")
     sys.stdout.write(f"{seen}\n")
-    grown = any(size - first[name] > GROWTH for name, size in last.items())
-    return int(grown or any(lost.values()) or bool(unwell) or bool(impossible) or not alive)
+    return int(
+        any(mb > GROWTH for mb in grown.values())
+        or any(lost.values())
+        or bool(unwell)
+        or bool(impossible)
+        or not alive
+    )
 
 
 def memory(pid: int) -> float:

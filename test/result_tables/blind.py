@@ -1,4 +1,4 @@
-"""Scores of the lab on data of other generators."""
+"""Scores of the lab on data of other generators, and of its peers."""
 
 from __future__ import annotations
 
@@ -30,4 +30,8 @@ TABLES: Tables = {
         "rough groups",
         truth="test/rough",
     ),
-}
+    **given(
+        "peers", "exec python -m test.peers --seeds 1 --complete 6", "peers.md",
+        (*DECIDES[:2], "test/blind", "test/peers"), "peers", writes="> FILE",
+    ),
+}  # fmt: skip

@@ -34,6 +34,13 @@ def dear_effects(values: dict[str, Any]) -> str:
     return table(head[:3], [row[:3] for row in rows if float(row[2].split()[0]) >= DEAR])
 
 
+def _live(later: str, hidden: str) -> Tables:
+    command = f"demo --live --effect {hidden} --later {later} --seed 1"
+    return given(
+        f"live_{later}", command, "page.md", (*LAB, *GRAPH), f"live, {later}", writes="> FILE"
+    )
+
+
 _COSTS = _bench("models", "models", MODELS, *PARTS, "machine of models")
 TABLES: Tables = {
     **_COSTS,
@@ -63,6 +70,8 @@ TABLES: Tables = {
         "monitor", "monitor", PAGE,
         "core of the monitor", "machine of the monitor", "beside the loop", "processes beside the loop", page="page.md",
     ),
+    **_live("leak", "asymmetric_damping"),
+    **_live("heat", "quadratic_damping"),
     **_bench("lab_beginnings", "lab beginnings", LAB, "beginnings", page="lab_speed.md"),
     **_bench("lab_page", "lab page", LAB, "page of my rig", "machine of my rig", page="lab_speed.md"),
 }  # fmt: skip

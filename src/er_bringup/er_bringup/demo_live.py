@@ -21,6 +21,7 @@ from er_common.port import HOST, free_port
 from er_models.errors import ErError
 from er_models.files import load_model, save_model
 from er_models.model import Model
+from rich import box
 from rich.console import Console
 from rich.table import Table
 
@@ -254,8 +255,8 @@ def drive(live: Live, desk: LiveDesk, truth: Model, name: str, seed: int) -> Ite
 
 
 def show(acts: list[Act], console: Console) -> None:
-    """What was hidden, what was found, and the live errors."""
-    table = Table(title="live error of the monitor's model")
+    """What was hidden, what was found, and the live errors; in Markdown."""
+    table = Table(title="live error of the monitor's model", box=box.MARKDOWN)
     for column in ("hidden", "found", "before [N]", "after [N]", "ok"):
         table.add_column(column)
     for act in acts:

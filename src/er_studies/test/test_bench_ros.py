@@ -26,8 +26,8 @@ PLAIN = replace(
 
 def test_ratios_stand_beside_one_another() -> None:
     text = markdown([GOOD, PLAIN], 60.0, 200.0)
-    assert "- composed: plain rclpy uses 4.0 times the CPU, loop p50 5.0 times as long" in text
-    assert "p50 0.30 of 0.4 ms, p99 0.80 of 1 ms" in text
+    assert "| composed | udp | 4.00 (at least 6) | 5.0 | 0 of 12000 |" in text
+    assert "| composed | 0.30 of 0.4 | 0.80 of 1 |" in text
     assert "too noisy" not in text
     assert "too noisy to judge latencies: others used 40 %" in markdown(
         [replace(GOOD, others=40.0)], 60.0, 200.0

@@ -11,7 +11,6 @@ plant to observer to recorder.
 from __future__ import annotations
 
 import os
-import platform
 import sys
 import tempfile
 from collections.abc import Sequence
@@ -25,15 +24,14 @@ from er_bringup.graph import nodes
 from er_bringup.processes import Child, stop
 from er_bringup.up import argv, configuration
 from er_model_lab.programs import RECORDER
-from er_models.constants import SAMPLE_RATE
 from er_models.errors import ErError
 from er_models.one_line import OneLine
 from er_plant_sim.programs import PLANT
 from numpy.typing import NDArray
 from rosbags.highlevel import AnyReader
 
-from er_studies import given_out
 from er_studies.bench.machine import machine
+from er_studies.given_out import Table, give
 
 WARM_UP = 1.0
 """Beginning of a run that does not count [s]."""
@@ -151,23 +149,16 @@ def _wait_for_data(plant: Child, bag: Path) -> None:
         sleep(0.05)
 
 
-def markdown(found: Sequence[Flow], loads: Sequence[Load], seconds: float) -> str:
-    """The figures as two tables."""
-    host = f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
-    lines = [
-        f"{seconds:g} s at {SAMPLE_RATE:g} Hz after {WARM_UP:g} s of warm-up; {host}; "
-        f"load average of the machine {os.getloadavg()[0]:.1f}",
-        "",
-        "| topic | messages | lost | Hz | age ms p50 | p99 | p99.9 | max |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
-    for f in found:
-        ages = " | ".join(f"{age:.2f}" for age in f.ages)
-        lines.append(f"| `{f.topic}` | {f.count} | {f.lost} | {f.rate:.2f} | {ages} |")
-    lines += ["", "| process | CPU, % of one core | memory MB |", "|---|---|---|"]
-    lines += [f"| {load.name} | {load.cpu:.1f} | {load.memory:.0f} |" for load in loads]
-    total = sum(load.cpu for load in loads)
-    return "\n".join([*lines, f"| all | {total:.1f} | {sum(x.memory for x in loads):.0f} |"])
+def tables(found: Sequence[Flow], loads: Sequence[Load]) -> tuple[Table, Table]:
+    """The topics, and the processes."""
+    head = ["topic", "messages", "lost", "Hz", "age ms p50", "p99", "p99.9", "max"]
+    rows = [
+        [f"`{f.topic}`", str(f.count), str(f.lost), f"{f.rate:.2f}", *(f"{age:.2f}" for age in f.ages)]
+        for f in found
+    ]  # fmt: skip
+    whole = Load("all", sum(x.cpu for x in loads), sum(x.memory for x in loads))
+    sizes = [[x.name, f"{x.cpu:.1f}", f"{x.memory:.0f}"] for x in (*loads, whole)]
+    return Table(head, rows), Table(["process", "CPU, % of one core", "memory MB"], sizes)
 
 
 def main() -> None:
@@ -184,8 +175,7 @@ def main() -> None:
             sys.stderr.write(f"er bench graph: {error}\n")
             sys.exit(error.exit_status)
         found = flows(bag)
-    given_out.say(markdown(found, loads, options.seconds) + "\n")
-    given_out.say(given_out.markdown(machine()))
+    give((*tables(found, loads), machine()), None)
     sys.exit(1 if any(f.lost for f in found) else 0)
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import math
 import os
 import platform
 import re
@@ -41,6 +42,7 @@ from er_studies import given_out
 from er_studies.bench.graph import Load, Usage, usage
 from er_studies.bench.machine import machine
 from er_studies.bench.ros_transport import TRANSPORTS, UDP, take
+from er_studies.given_out import Table
 
 LAYOUTS = ("processes", "composed")
 EXECUTORS = ("events", "single")
@@ -59,6 +61,8 @@ TARGETS = {
     ("composed", 1000.0): (0.3, 0.8, 3.0, 35.0),
 }
 """Aims on a quiet machine: loop latency p50, p99, p99.9 [ms], processor time [% of a core]."""
+AIMS = (("loop p50", "ms"), ("p99", "ms"), ("p99.9", "ms"), ("CPU", "% of a core"))
+"""What the aims are of."""
 RATIOS = {"processes": 2.7, "composed": 6.0}
 """How many times the processor time of ours plain rclpy uses at 200 Hz, at least."""
 
@@ -200,29 +204,36 @@ def _busy() -> float:
 def markdown(results: Sequence[Result], seconds: float, rate: float) -> str:
     """The figures as tables, and what they are worth."""
     host = f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
-    lines = [
-        f"{seconds:g} s at {rate:g} Hz each; {host}",
-        "",
-        "| layout | executor | transport | loop ms p50 | p99 | p99.9 | max | lateness ms p50 | p99 "
-        "| CPU, % of a core | lost | others, % of the machine | asleep too long, ms p99 |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|",
-    ]
-    for r in results:
-        loop = " | ".join(f"{x:.2f}" for x in r.loop)
-        late = " | ".join(f"{x:.2f}" for x in r.lateness[:2])
-        rest = f"{r.cpu:.1f} | {r.lost} of {r.ticks} | {r.others:.0f} | {r.woke:.2f}"
-        lines.append(f"| {r.layout} | {r.executor} | {r.transport} | {loop} | {late} | {rest} |")
-    lines += [
-        "",
-        "| process | layout, executor, transport | CPU, % of a core | memory MB |",
-        "|---|---|---|---|",
-    ]
-    for r in results:
-        lines += [
-            f"| {load.name} | {r.layout}, {r.executor}, {r.transport} | {load.cpu:.1f} | {load.memory:.0f} |"
-            for load in r.loads
+    tables = [costs(results), processes(results), beside(results, rate), against(results, rate)]
+    lines = [given_out.markdown(each) for each in tables if each.rows]
+    return "\n".join([f"{seconds:g} s at {rate:g} Hz each; {host}\n", *lines, *noisy(results)])
+
+
+def costs(results: Sequence[Result]) -> Table:
+    """Every run by itself."""
+    head = [
+        "layout", "executor", "transport", "loop ms p50", "p99", "p99.9", "max", "lateness ms p50", "p99",
+        "CPU, % of a core", "lost", "others, % of the machine", "asleep too long, ms p99",
+    ]  # fmt: skip
+    rows = [
+        [
+            r.layout, r.executor, r.transport, *(f"{x:.2f}" for x in (*r.loop, *r.lateness[:2])),
+            f"{r.cpu:.1f}", f"{r.lost} of {r.ticks}", f"{r.others:.0f}", f"{r.woke:.2f}",
         ]
-    return "\n".join([*lines, "", *ratios(results), *verdicts(results, rate)])
+        for r in results
+    ]  # fmt: skip
+    return Table(head, rows)
+
+
+def processes(results: Sequence[Result]) -> Table:
+    """The load of every process."""
+    rows = [
+        [each.name, r.layout, r.executor, r.transport, f"{each.cpu:.1f}", f"{each.memory:.0f}"]
+        for r in results
+        for each in r.loads
+    ]
+    head = ["process", "layout", "executor", "transport", "CPU, % of a core", "memory MB"]
+    return Table(head, rows)
 
 
 def pairs(results: Sequence[Result]) -> list[tuple[Result, Result]]:
@@ -232,41 +243,59 @@ def pairs(results: Sequence[Result]) -> list[tuple[Result, Result]]:
     return [(r, plain[r.layout, r.transport]) for r in ours if (r.layout, r.transport) in plain]
 
 
-def ratios(results: Sequence[Result]) -> list[str]:
-    """What the single-threaded executor costs over the events executor."""
-    said = []
-    for ours, plain in pairs(results):
-        cpu, loop = plain.cpu / ours.cpu, plain.loop[0] / max(ours.loop[0], 1e-9)
-        said.append(
-            f"- {ours.layout}: plain rclpy uses {cpu:.1f} times the CPU, loop p50 {loop:.1f} times as long"
-        )
-    return said
-
-
-def verdicts(results: Sequence[Result], rate: float) -> list[str]:
-    """The aims, and whether this machine was quiet enough to judge them."""
-    said = []
-    for r in results:
-        aims = TARGETS.get((r.layout, rate))
-        if aims is None or r.executor != "events" or r.corners > 1:
-            continue
-        words = [
-            f"{name} {found:.2f} of {aim:g} {unit}"
-            for name, found, aim, unit in _compared(r, aims)
+def beside(results: Sequence[Result], rate: float) -> Table:
+    """What plain rclpy costs over ours."""
+    asked = {
+        name: f" (at least {r:g})" if rate == SAMPLE_RATE else "" for name, r in RATIOS.items()
+    }
+    rows = [
+        [
+            ours.layout, ours.transport, f"{plain.cpu / ours.cpu:.2f}{asked[ours.layout]}",
+            f"{plain.loop[0] / max(ours.loop[0], 1e-9):.1f}", f"{plain.lost} of {plain.ticks}",
         ]
-        noisy = (
-            f"; too noisy to judge latencies: others used {r.others:.0f} % of the machine"
-            if r.others > QUIET
-            else ""
-        )
-        said.append(f"- {r.layout}, aims at {rate:g} Hz: {', '.join(words)}{noisy}")
-    return said
+        for ours, plain in pairs(results)
+    ]  # fmt: skip
+    head = [
+        "plain rclpy over ours",
+        "transport",
+        "processor time",
+        "loop p50",
+        "lost by plain rclpy",
+    ]
+    return Table(head, rows)
 
 
-def _compared(r: Result, aims: tuple[float, ...]) -> list[tuple[str, float, float, str]]:
-    found = (*r.loop[:3], r.cpu)
-    names = (("p50", "ms"), ("p99", "ms"), ("p99.9", "ms"), ("CPU", "%"))
-    return [(n, f, a, u) for (n, u), f, a in zip(names, found, aims, strict=True)]
+def against(results: Sequence[Result], rate: float) -> Table:
+    """What was found of the aims."""
+    head = ["aims", *(f"{name}, {unit}" for name, unit in AIMS)]
+    rows = [
+        [
+            r.layout,
+            *(f"{found:.2f} of {aim:g}" for found, aim in zip(_found(r), aims, strict=True)),
+        ]
+        for r in results
+        if r.executor == "events" and (aims := _aims(r, rate))
+    ]
+    return Table(head, rows)
+
+
+def noisy(results: Sequence[Result]) -> list[str]:
+    """Which runs are worth nothing, as the machine was busy."""
+    return [
+        f"{r.layout}, {r.executor}: too noisy to judge latencies: others used {r.others:.0f} % of the machine"
+        for r in results
+        if r.others > QUIET
+    ]
+
+
+def _aims(r: Result, rate: float) -> tuple[float, ...]:
+    """The aims of a layout at a rate; none where there are none."""
+    return TARGETS.get((r.layout, rate), ()) if r.corners == 1 else ()
+
+
+def _found(r: Result) -> tuple[float, ...]:
+    """What stands beside the aims."""
+    return (*r.loop[:3], r.cpu)
 
 
 def failed(results: Sequence[Result], rate: float) -> bool:
@@ -274,8 +303,8 @@ def failed(results: Sequence[Result], rate: float) -> bool:
     for r in results:
         if r.executor != "events" or r.others > QUIET:
             continue
-        aims = TARGETS.get((r.layout, rate)) if r.corners == 1 else None
-        if r.lost or (aims and any(found > aim for _, found, aim, _ in _compared(r, aims))):
+        aims = _aims(r, rate) or (math.inf,) * len(AIMS)
+        if r.lost or any(found > aim for found, aim in zip(_found(r), aims, strict=True)):
             return True
     return rate == SAMPLE_RATE and any(_short(*pair) for pair in pairs(results))
 
