@@ -66,7 +66,7 @@ def workers(values: dict[str, Any]) -> str:
 def _held(loop: dict[str, Any], one: dict[str, Any], two: dict[str, Any]) -> tuple[str, str, str]:
     """What is said of the loop, of one worker and of two."""
     longer, more = (f"{100.0 * (one[k] / loop[k] - 1.0):+.1f} %" for k in ("wall", "processor"))
-    alone = f"time {longer} of the loop's (at most +5), processor time {more}"
+    alone = f"{longer} time beside the loop (at most +5 %), {more} processor time"
     return "", alone, f"{one['wall'] / two['wall']:.2f} times faster than one (at least 1.85)"
 
 
