@@ -79,6 +79,28 @@ def test_a_pause_of_some_seconds_is_another_drive() -> None:
     assert rows[2][-1][0] < 1.0
 
 
+def test_a_graph_that_is_started_again_soon_is_another_drive() -> None:
+    """Its numbers begin anew; what the drive before still says comes too late, and 0 is no number."""
+    join = Join()
+    for k in range(400):
+        join.add(k * STEP, FORCE, (1.0,), k + 1)
+        join.add(k * STEP, DUTY, (0.1,), k + 1)
+    join.ready()
+    join.add(400 * STEP, FORCE, (1.0,), 0)
+    assert join.again == 0
+    join.add(401 * STEP, FORCE, (1.0,), 402)
+    begin = 700 * STEP
+    join.add(begin, FORCE, (2.0,), 1)
+    join.add(401 * STEP, DUTY, (0.1,), 402)
+    for k in range(60):
+        join.add(begin + k * STEP, FORCE, (2.0,), k + 1)
+        join.add(begin + k * STEP, DUTY, (0.2,), k + 1)
+    rows = join.ready()
+    assert join.again == 1
+    assert rows[0][0] == 0.0
+    assert {(r[1 + FORCE], r[1 + DUTY]) for r in rows} == {(2.0, 0.2)}
+
+
 def test_memory_is_bounded_and_holds_the_last() -> None:
     heard, rng = Heard(minutes=0.05), np.random.default_rng(1)
     kept, t = heard._kept.nbytes, 0
@@ -311,6 +333,6 @@ def test_messages_are_read_as_they_are_sent() -> None:
         assert sent.keys() == READERS.keys()
         for topic, (message, values) in sent.items():
             message.header.frame_id = frame
-            assert READERS[topic][1](serialize_message(message)) == (3_000_000_007, values)
+            assert READERS[topic][1](serialize_message(message)) == (3_000_000_007, 5, values)
             message.valid = False
-            assert all(map(math.isnan, READERS[topic][1](serialize_message(message))[1]))
+            assert all(map(math.isnan, READERS[topic][1](serialize_message(message))[2]))

@@ -44,29 +44,29 @@ SILENCE = 1.0
 NICE = 5
 PLACE = {name: k for k, name in enumerate(COLUMNS)}
 Values = tuple[float, ...]
+Read = tuple[int, int, Values]
+"""Of a message: stamp [ns], sequence number, and values."""
 Word = dict[str, Any]
 
 
-def _numbers(
-    layout: str, pick: Callable[[tuple[Any, ...]], Values]
-) -> Callable[[bytes], tuple[int, Values]]:
-    """Reads stamp [ns] and values of messages with a header and a sequence number; layout: what follows, as `struct`.
+def _numbers(layout: str, pick: Callable[[tuple[Any, ...]], Values]) -> Callable[[bytes], Read]:
+    """Reads messages with a header and a sequence number; layout: what follows, as `struct`.
 
     Fields lie as CDR has them, each at a multiple of its size, counted from behind the four bytes of its own head.
     """
-    head, body = struct.Struct("<iII"), struct.Struct(f"<{layout}")
+    head, body = struct.Struct("<iII"), struct.Struct(f"<Q{layout}")
 
-    def read(data: bytes) -> tuple[int, Values]:
+    def read(data: bytes) -> Read:
         seconds, nanoseconds, length = head.unpack_from(data, 4)
-        at = 4 + -(-(12 + length) // 8) * 8 + 8
-        return seconds * 1_000_000_000 + nanoseconds, pick(body.unpack_from(data, at))
+        number, *rest = body.unpack_from(data, 4 + -(-(12 + length) // 8) * 8)
+        return seconds * 1_000_000_000 + nanoseconds, number, pick(tuple(rest))
 
     return read
 
 
 NAN = float("nan")
 FORCE = _numbers("d16xB?", lambda m: (m[0],) if m[2] else (NAN,))
-READERS: dict[Topic, tuple[str, Callable[[bytes], tuple[int, Values]]]] = {
+READERS: dict[Topic, tuple[str, Callable[[bytes], Read]]] = {
     topics.ACCELERATION: (
         "sprung_acceleration", _numbers("2dB?", lambda m: m[:2] if m[3] else (NAN, NAN)),
     ),
@@ -109,7 +109,8 @@ class Listener:
         """Take what has come, and say it."""
         for end, column, read in self.ends:
             for data in _taken(end):
-                self.join.add(*_put(read(data), PLACE[column]))
+                stamp, number, values = read(data)
+                self.join.add(stamp, PLACE[column], values, number)
         rows = self.join.ready()
         if self.join.again != self.again:
             self.again = self.join.again
@@ -213,10 +214,6 @@ class Listener:
 
 def _nothing(_: bytes) -> None:
     """No callback: messages are taken."""
-
-
-def _put(read: tuple[int, Values], column: int) -> tuple[int, int, Values]:
-    return read[0], column, read[1]
 
 
 def _taken(end: Subscription) -> Iterator[bytes]:

@@ -20,33 +20,46 @@ BACK = 1_000_000_000
 """Step back of the stamps that is another drive, not a straggler [ns]."""
 GAP = 5_000_000_000
 """Step forward of the stamps that is another drive, not a loss [ns]."""
+ANEW = 200
+"""Step back of the sequence numbers of a topic that is another drive, not a straggler."""
 
 Row = tuple[float, ...]
 """Time since the first stamp [s], then `COLUMNS`."""
 
 
 class Join:
-    """Rows by their stamps; again: how often time began anew."""
+    """Rows by their stamps; again: how often another drive began; numbers: the last one of each column's topic."""
 
     def __init__(self) -> None:
         self.rows: dict[int, list[float]] = {}
         self.order: list[int] = []
+        self.numbers: dict[int, int] = {}
         self.first, self.given, self.again = 0, -1, 0
 
-    def add(self, stamp: int, column: int, values: tuple[float, ...]) -> None:
-        """Put values of a stamp [ns] into a row, from a column on; one that was given on already gets no more."""
-        if self.given - stamp > BACK:
-            again = self.again + 1
-            Join.__init__(self)  # another drive
-            self.again = again
+    def add(self, stamp: int, column: int, values: tuple[float, ...], number: int = 0) -> None:
+        """Put values of a stamp [ns] into a row, from a column on; one that was given on already gets no more.
+
+        number: sequence number of the message, 0 where it is unknown. A graph that was started again counts from the
+        beginning, however soon that was.
+        """
+        last = self.numbers.get(column)
+        if last is not None and (self.given - stamp > BACK or 0 < number < last - ANEW):
+            self._begin_again(stamp)
         if stamp <= self.given:
             return
+        self.numbers[column] = number
         row = self.rows.get(stamp)
         if row is None:
             row = self.rows[stamp] = [math.nan] * len(COLUMNS)
             insort(self.order, stamp)
             self.first = self.first or stamp
         row[column : column + len(values)] = values
+
+    def _begin_again(self, stamp: int) -> None:
+        """Another drive, with this stamp first: what the one before still says comes too late."""
+        again = self.again + 1
+        Join.__init__(self)
+        self.given, self.again = stamp - 1, again
 
     def ready(self) -> list[Row]:
         """Rows that wait for nothing any more, in order."""
