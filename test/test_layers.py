@@ -183,6 +183,11 @@ def test_an_observer_waits_for_no_linear_algebra_of_scipy():
     assert "scipy.linalg" not in imported_with(*made_of("er_observers"))
 
 
+def test_skyhook_waits_for_no_compiler():
+    """Numba doubles its memory, and half of its start is that import."""
+    assert imported_with("er_ftc_controller.ros_skyhook") & {"numba", "scipy"} == set()
+
+
 def test_the_lab_says_what_it_can_do_at_once():
     """Its help, a list of effects and a wrong usage wait for nothing that only a command needs."""
     assert imported_with("er_model_lab.cli.app") & HEAVY == {"typer", "rich"}

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from er_models.errors import InputError
+from er_models.kernel.layout import CAUGHT
 from er_models.kernel.load import kernel, plain
-from er_models.kernel.states import CAUGHT
 from er_models.model import Array, Model
 from er_models.parallel import over_cores
 

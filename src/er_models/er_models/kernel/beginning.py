@@ -39,7 +39,8 @@ from er_models.kernel.imposed import (
     output_delay,
     predict,
 )
-from er_models.kernel.states import AT_ONCE, CAUGHT, ROWS, R, W
+from er_models.kernel.layout import CAUGHT
+from er_models.kernel.states import AT_ONCE, ROWS, R, W
 
 # --- below this line: compiled with the composed equations ---
 BEYOND_MEASURE = 1e100

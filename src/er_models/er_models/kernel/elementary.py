@@ -14,6 +14,7 @@ import numpy as np
 from numba import extending, types
 
 from er_models.kernel.fast import inline
+from er_models.kernel.inline import OWN
 
 intrinsic: Any = extending.intrinsic
 BITS = 6
@@ -87,5 +88,5 @@ def _tanh(x: float) -> float:
 
 
 tanh = inline(_tanh)
-FASTER: dict[Any, tuple[str, Any]] = {math.exp: ("exp", exp), math.tanh: ("tanh", tanh)}
-"""Functions of `math`, and what the kernel puts in their place: its name there and the function."""
+FASTER: dict[Any, Any] = {getattr(math, name): globals()[name] for name in OWN}
+"""Functions of `math`, and what the kernel puts in their place."""

@@ -30,5 +30,5 @@ def with_compiled_names(function: Any) -> FunctionType:
         if isinstance(value, FunctionType):
             names[name] = inline(with_compiled_names(value))
         elif isinstance(value, BuiltinFunctionType):
-            names[name] = FASTER.get(value, ("", value))[1]
+            names[name] = FASTER.get(value, value)
     return FunctionType(function.__code__, names, function.__name__, function.__defaults__)

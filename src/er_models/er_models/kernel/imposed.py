@@ -13,11 +13,10 @@ import numpy as np
 from er_models.kernel.elementary import exp
 from er_models.kernel.fast import entry, inline, inner, once
 from er_models.kernel.inputs import at, cubic, delayed, split
+from er_models.kernel.layout import CAUGHT, HEAT
 from er_models.kernel.states import (
     AT_ONCE,
-    CAUGHT,
     DECAY,
-    HEAT,
     HOLD,
     ONE,
     ROWS,

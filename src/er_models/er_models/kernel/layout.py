@@ -18,14 +18,16 @@ from er_models.kernel.order import (
     reads_yield_early,
     turns_with_the_yield,
 )
-from er_models.kernel.states import CAUGHT
+
+ZERO, HEAT, CAUGHT = 1, 2, 3
+"""Marks in `at_rest` of a state that begins at zero, of one that goes on from one record to the next, and of one that
+settles, but may begin wherever a contact or friction catches it."""
 
 
 class Layout(NamedTuple):
     """on: mask (`kernel.mask`); slots: states in use; links: those of them that feed back.
 
-    at_rest (n_states,): 1 for a state that begins at zero, 2 where that is heat, which a record may have of the one
-    before it, 3 for one that a contact, or friction behind a joint, may catch anywhere.
+    at_rest (n_states,): `ZERO`, `HEAT`, `CAUGHT`, or 0 for a state that begins settled.
     """
 
     on: NDArray[np.uint8]
@@ -70,7 +72,9 @@ def layout(
             slots.add(c.slots[effect.name])
             warms = effect.stage == "heat"
             settled = CAUGHT * caught(effect)
-            rest[c.slots[effect.name]] = 1 + warms if effect.initial == "zero" else settled
+            rest[c.slots[effect.name]] = (
+                (HEAT if warms else ZERO) if effect.initial == "zero" else settled
+            )
         if feeds_back(effect):
             links.add(c.slots[effect.name])
     return Layout(mask(c, used, terms), _sorted(slots), _sorted(links), rest)

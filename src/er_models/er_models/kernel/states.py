@@ -21,6 +21,7 @@ import math
 from er_models.effect import INSTANT
 from er_models.kernel.elementary import exp
 from er_models.kernel.fast import inline, inner, linked, once
+from er_models.kernel.layout import HEAT, ZERO
 
 
 def damper(on, p, s, h, how, x, v, a, u, t, theta):  # type: ignore[no-untyped-def]
@@ -53,9 +54,6 @@ SWEEPS = 9
 """How often the damper is swept to find where its states begin."""
 RESTING = -1.0
 """Marks a state that begins at zero, not in equilibrium."""
-ZERO, HEAT, CAUGHT = 1, 2, 3
-"""Marks in `at_rest` of a state that begins at zero, of one that goes on from one record to the next, and of one that
-settles, but may begin wherever a contact or friction catches it."""
 
 
 @inline
