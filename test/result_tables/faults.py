@@ -24,7 +24,7 @@ TABLES: Tables = {
     ),
     **_run(
         "fault_statistics_200",
-        'fault_statistics healthy "f1 = 0.5" "f2 = 0.6" "f3 = 0.6" --number 200 --seed 6',
+        'fault_statistics healthy "f1 = 0.5" "f2 = 0.6" "f3 = 0.6" --number 200 --seed 14',
         "two hundred drives without a fault",
         "two hundred drives with a fault",
     ),

@@ -20,6 +20,7 @@ from er_observers.faults.estimator import start, step
 from er_observers.faults.rules import RULES, Rules, estimator
 from er_observers.faults.sample import Estimate, FactorStatus, Kind, Sample, Status
 from er_studies.faults.trials import Drive, Trial, drive, faults
+from scipy.stats import norm
 
 SAME_AT_ONE_DUTY = ("field_saturation",)
 """Effects that are a weaker field and nothing else while the duty has one strength."""
@@ -338,19 +339,55 @@ def test_a_sample_is_that_of_the_simulated_car(car: Model, dt: float, pieces: in
     assert np.all(np.sqrt(np.mean(np.array(gone) ** 2, axis=0)) < 2e-3 * scale)
 
 
-def test_a_change_is_followed_anew_from_a_beginning_that_may_be_far_off(car: Model) -> None:
-    """All three at once, and most of it lost: rows made for a healthy damper would lead nowhere."""
-    trial = replace(next(faults("combined", 11, 1)), straight=True)
-    samples = drive(trial, car).samples[: round((trial.fault_time + 2.0) / DT)]
+def test_a_road_is_learnt_only_while_the_car_moves(car: Model) -> None:
+    """A slow chirp: what noise said of its road made every bend possible, and a healthy damper was named faulty."""
+    trial = Trial(800027, duration=60.0, spread=0.05, road="chirp", peak=0.282)
+    p, samples = estimator(car), drive(trial, car).samples[: round(22.0 / DT)]
+    state = start(p, samples[0])
+    for sample in samples[1:]:
+        state, estimate = step(p, state, sample)
+        assert estimate.kind <= Kind.NONE
+    assert state.memory[tick.BENDS][2] < 1.0
+
+
+def test_doubt_waits_while_the_car_stands(car: Model) -> None:
+    verdict, rules = decision.begin(), estimator(car).judging
+    verdict[decision.RATIO] = 2.0
+    while verdict[decision.DOUBTED] == 0.0:
+        decision._doubt(rules, 1.0, verdict)
+    for moved, doubted in ((0.0, 1.0), (0.5, 1.5), (1.0, 2.5)):
+        decision._doubt(rules, moved, verdict)
+        assert verdict[decision.DOUBTED] == doubted
+
+
+@pytest.mark.parametrize("value", [-1.0, -0.3, 0.0, 0.6, 1.0, 1.1, 1.3])
+@pytest.mark.parametrize("deviation", [0.01, 0.1, 1.0])
+def test_a_factor_out_of_range_is_as_unlikely_as_a_gaussian_says(
+    value: float, deviation: float
+) -> None:
+    """A tail held at 1e-12 let a fault with a share of 1.3 win against a healthy damper."""
+    low, high = -value / deviation, (1.0 - value) / deviation
+    low, high = (-high, -low) if low > 0.0 else (low, high)
+    exact = norm.logcdf(high) + np.log1p(-np.exp(norm.logcdf(low) - norm.logcdf(high)))
+    assert evidence.log_within(value, deviation) == pytest.approx(exact, rel=1e-3, abs=0.04)
+
+
+def test_samples_after_a_change_are_followed_anew(car: Model) -> None:
+    """Rows made for a healthy damper lead a faulty one astray: without, the factors err twice as much, and more."""
     p = estimator(car)
     setup = p.setup.copy()
     setup[tick.ANEW] = 0.0
-    for each, anew in ((p, True), (replace(p, setup=setup), False)):
-        state = start(each, samples[0])
-        for sample in samples[1:]:
-            state, estimate = step(each, state, sample)
-        errors = np.subtract(estimate.factors, tuple(trial.left.values()))
-        assert bool(np.max(np.abs(errors)) < 0.05) is anew
+    for each in faults("combined", 12, 3):
+        trial = replace(each, straight=True)
+        samples = drive(trial, car).samples[: round((trial.fault_time + 2.0) / DT)]
+        errors = []
+        for estimating in (p, replace(p, setup=setup)):
+            state = start(estimating, samples[0])
+            for sample in samples[1:]:
+                state, estimate = step(estimating, state, sample)
+            error = np.subtract(estimate.factors, tuple(trial.left.values()))
+            errors.append(float(np.max(np.abs(error))))
+        assert errors[0] < min(0.02, 0.5 * errors[1])
 
 
 @pytest.mark.parametrize("seed", [1004, 7000])

@@ -37,9 +37,9 @@ FACTORS, SPREAD, STATUS, EXCITED, OWN, PROBABILITY = (
 )  # fmt: skip
 SINGLE, SEEN, SHARES = 29, 30, slice(31, 34)
 LENGTH = 34
-"""Places in a verdict (34,). DOUBTED: for how many blocks something has been in doubt, 0: nothing is. OWN: factor of
-each fault if it is the only one; SINGLE: whether the field has had one strength only; SEEN: whether the damper was
-healthy once while its field could be seen; SHARES: likeliest ones of several faults."""
+"""Places in a verdict (34,). DOUBTED: for how many blocks of motion something has been in doubt, 0: nothing is.
+OWN: factor of each fault if it is the only one; SINGLE: whether the field has had one strength only; SEEN: whether the
+damper was healthy once while its field could be seen; SHARES: likeliest ones of several faults."""
 SOME = -2
 """Kind of a fault that is sure, but which one is not; -1 is nothing known yet."""
 _KEPT = 0.5
@@ -50,6 +50,9 @@ ORDER = (ELECTRICAL, LEAKAGE, DEFORMATION)
 ) = range(11)  # fmt: skip
 """Places in the rules (11,), see `rules.Rules`; the odds are over those of each single fault."""
 RULES = AGAIN + 1
+GATE, _FURTHER = N - 2, 1.15
+"""Place of the first unknown of the gate, and how much further from what was believed the gate may be: rough roads bend
+it, see `rules`."""
 LEAST_MISFIT = 0.5
 """Squared residuals over noise that are believed; smaller ones are chance."""
 
@@ -65,12 +68,19 @@ def begin() -> Array:
 
 @compiled
 def decide(
-    rules: Array, total: Array, prior: Array, first: Array, verdict: Array, room: Array
+    rules: Array,
+    total: Array,
+    prior: Array,
+    first: Array,
+    moved: float,
+    verdict: Array,
+    room: Array,
 ) -> None:
     """Bring the verdict (LENGTH,) up to date with a stretch of time, in place.
 
     prior: what is believed of the healthy damper, a sum; first (2 N,): mean and deviation of each unknown
-    before any sample; room (2 N + N N,): left with the unknowns of the likeliest kind and their scale.
+    before any sample; moved: share of the last block in which the car moved; room (2 N + N N,): left with the
+    unknowns of the likeliest kind and their scale.
     """
     temper = 1.0 / (rules[COLOUR] * max(verdict[MISFIT], LEAST_MISFIT))
     log_z, alone, factors, spread = np.empty(KINDS), np.empty(3), np.empty(3), np.empty(3)
@@ -91,7 +101,7 @@ def decide(
     _mix(rules, alone, factors, spread, verdict)
     likely = int(np.argmax(verdict[PROBABILITY]))
     _judge(rules, total, prior, first, temper, likely, factors, verdict, room)
-    _doubt(rules, verdict)
+    _doubt(rules, moved, verdict)
     _name(rules, likely, verdict)
     _states(rules, verdict)
 
@@ -150,11 +160,10 @@ def _judge(
     unknowns(total, prior, temper, shares, room)
     beta, beyond = room[N : 2 * N], 0.0
     for i in range(N):
-        beyond = max(beyond, abs(beta[i] - first[i]) / first[N + i])
+        limit = rules[BELIEF] * (_FURTHER if i >= GATE else 1.0)
+        beyond = max(beyond, abs(beta[i] - first[i]) / (limit * first[N + i]))
     verdict[MISFIT] = misfit(total, room[:N], beta) / max(total[ROWS], 1.0)
-    verdict[RATIO] = max(
-        math.sqrt(max(verdict[MISFIT], 0.0)) / rules[LIMIT], beyond / rules[BELIEF]
-    )
+    verdict[RATIO] = max(math.sqrt(max(verdict[MISFIT], 0.0)) / rules[LIMIT], beyond)
 
 
 @compiled
@@ -185,16 +194,18 @@ def _name(rules: Array, likely: int, verdict: Array) -> None:
 
 
 @compiled
-def _doubt(rules: Array, verdict: Array) -> None:
-    """Doubt that this explains all, and take it back, when it has been so for a while; count how long."""
+def _doubt(rules: Array, moved: float, verdict: Array) -> None:
+    """Doubt that this explains all, and take it back, when it has been so for a while; count how long it moved."""
     step = 1.0 if verdict[RATIO] > 1.0 else (-1.0 if verdict[RATIO] < rules[AGAIN] else 0.0)
     if _weak_from_the_start(rules, verdict):
         step = 1.0
     verdict[DOUBTS] = min(max(verdict[DOUBTS] + step, 0.0), 2.0 * rules[BLOCKS_IN_A_ROW])
     if verdict[DOUBTS] <= 0.0:
         verdict[DOUBTED] = 0.0
-    elif verdict[DOUBTED] > 0.0 or verdict[DOUBTS] >= rules[BLOCKS_IN_A_ROW]:
-        verdict[DOUBTED] += 1.0
+    elif verdict[DOUBTED] > 0.0:
+        verdict[DOUBTED] += moved
+    elif verdict[DOUBTS] >= rules[BLOCKS_IN_A_ROW]:
+        verdict[DOUBTED] = 1.0
 
 
 @compiled

@@ -33,7 +33,9 @@ _ANY = 0.5
 _NEWTON = 4
 _MIXED = 4
 _LEAST_CURVATURE = 1e-3
-_ROOT_2 = math.sqrt(2.0)
+_ROOT_2, _ROOT_PI = math.sqrt(2.0), math.sqrt(math.pi)
+_FAR = 4.0
+"""Deviations, over the root of 2, beyond which the tail of a Gaussian is its asymptote: to 3 %."""
 _LN_2_PI = math.log(2.0 * math.pi)
 
 
@@ -64,11 +66,18 @@ def shares_of(kind: int, s: float, shares: Array) -> None:
 
 
 @compiled
-def within(value: float, deviation: float) -> float:
-    """Probability that a Gaussian lies in 0 to 1."""
-    high = math.erf((1.0 - value) / (deviation * _ROOT_2))
-    low = math.erf(-value / (deviation * _ROOT_2))
-    return max(0.5 * (high - low), 1e-12)
+def log_within(value: float, deviation: float) -> float:
+    """Logarithm of the probability that a Gaussian lies in 0 to 1.
+
+    Far outside it falls with the square of the distance: a fault whose likeliest factor is none is as likely as the
+    nearest one that is.
+    """
+    low, high = -value / (deviation * _ROOT_2), (1.0 - value) / (deviation * _ROOT_2)
+    if low > 0.0:
+        low, high = -high, -low
+    if high > -_FAR:
+        return math.log(0.5 * (math.erf(high) - math.erf(low)))
+    return -high * high - math.log(-2.0 * _ROOT_PI * high)
 
 
 @compiled
@@ -96,7 +105,7 @@ def single(
         if abs(move) < 1e-3:
             break
     deviation = 1.0 / math.sqrt(curvature)
-    return s, deviation, here + 0.5 * _LN_2_PI + math.log(deviation * within(s, deviation))
+    return s, deviation, here + 0.5 * _LN_2_PI + math.log(deviation) + log_within(s, deviation)
 
 
 @compiled
@@ -151,7 +160,7 @@ def combined(
     log_z = here + 1.5 * _LN_2_PI - 0.5 * math.log(det)
     log_z -= math.log(a[0] * a[1])  # from shares to factors
     for i in range(3):
-        log_z += math.log(within(factors[i], spread[i]))
+        log_z += log_within(factors[i], spread[i])
         factors[i] = min(max(factors[i], 0.0), 1.0)
     return log_z
 

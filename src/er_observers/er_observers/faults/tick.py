@@ -110,11 +110,11 @@ def run(
     rig = follow.Rig(p, noise, setup[FORCE])
     belief = follow.Belief(memory[EXPECTED], 0.0, memory[BENDS])
     follow.advance(rig, belief, follow.Step(told[: follow.SEEN], counted[DUTY], dt), mind, rows)
-    _compare(memory, rows)
     v, variance = mind[V], mind[follow.COVARIANCE][V * STATES + V]
     counted[SHAKEN] += setup[FADING] * (v * v - counted[SHAKEN])
     told[COUNTS] = 1.0 if counted[SHAKEN] > setup[REAL] * variance else 0.0
     if told[COUNTS] > 0.0:
+        _compare(memory, rows)
         _add(memory[BLOCK], rows, memory[EXPECTED])
         _count(memory[LEVELS], counted[DUTY])
     counted[DUTY] = duty
@@ -162,11 +162,13 @@ def _learn_the_road(setup: Array, memory: Array) -> None:
 
 @compiled
 def _add(block: Array, rows: Array, known: Array) -> None:
-    """Add the rows of a sample to a sum, in place."""
+    """Add the rows of a sample to a sum, in place; one that surprises counts less (Huber 1964)."""
     for q in range(rows.shape[0]):
         row = rows[q]
         if row[N + 1] > 0.0:
-            add(block, row[:N], row[N] + row[:N] @ known, 1.0 / row[N + 1])
+            square = row[N] ** 2 / row[N + 1]
+            weight = 1.0 if square < _ODD else math.sqrt(_ODD / square)
+            add(block, row[:N], row[N] + row[:N] @ known, weight / row[N + 1])
 
 
 @compiled
@@ -306,7 +308,8 @@ def _conclude(
     rest, verdict = room[2 * N + 2 * SIZE :], memory[VERDICT]
     scale_row(setup[KEPT], memory[LEVELS])
     verdict[SINGLE] = _single(memory[LEVELS])
-    decide(rules, total, belief, first, verdict, rest)
+    moved = memory[RAW].reshape((WITHIN, TOLD))[:, COUNTS].mean()
+    decide(rules, total, belief, first, moved, verdict, rest)
     for i in range(N):
         rest[i] *= rest[N + i]
     expect(memory, rest[:N])
