@@ -106,6 +106,22 @@ def test_any_subset_gives_a_usable_motion(rides, gone, most):
     assert bool(losses(records)) is bool(gone)
 
 
+def test_noise_of_a_high_rate_at_rest_is_no_motion():
+    """Positioning after 2 s of rest, at 2 kHz: from sample to sample an encoder's noise moves as much as the damper.
+
+    The intensity of the motion was read off the rest, and what moved afterwards was smoothed away.
+    """
+    dt, noise = 5e-4, 7e-7
+    t = np.arange(16000) * dt
+    x = 5e-4 * (1.0 - np.cos(2.0 * np.pi * 0.7 * np.maximum(t - 2.0, 0.0)))
+    measured = x + noise * np.random.default_rng(1).standard_normal(t.size)
+    record = Record("moves", t, {"deflection": measured, "damper_force": 1e3 * x})
+    found = prepare(Dataset.of([with_velocity(record)])).motion
+    inner = slice(100, -100)
+    assert np.std((found.x - x)[inner]) < noise
+    assert np.std((found.v - np.gradient(x, dt))[inner]) < 0.02 * np.std(np.gradient(x, dt))
+
+
 def test_a_slow_record_beside_fast_ones_is_said_to_slow_them(rides):
     slow = Record("slow", rides[0].t[::2], {n: y[::2] for n, y in rides[0].channels.items()})
     (said,) = losses([*rides, slow])

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.filtering import fading
 from er_model_lab.motion.chain import LAGGING, STATES, filtered, ramps, smoothed
+from er_model_lab.motion.white_noise import white_noise
 
 SHORTEST_LAG = 0.1
 """Lag of the velocity channel that deserves a state of its own, in samples; a straight line serves below."""
@@ -33,6 +34,8 @@ EDGE, LONG = 10, 20
 """Samples of an end of a record, and how many times as long it is at least for them to be left out."""
 STANDSTILL = 0.02
 """Power of the velocity, as a share of its most, below which a part of a record tells nothing of its motion."""
+MORE = 1.2
+"""Power over that of the noise from which it is motion: the noise of a record is known to a few per cent."""
 
 WITHOUT_A = np.array([1, 1, 0], np.uint8)
 """Channels in use where the accelerations are left out."""
@@ -103,10 +106,21 @@ class Channels:
         return replace(self, has=(self.has & has).astype(np.uint8))
 
     def telling(self, n: int) -> Channels:
-        """The first n samples; where they hold hardly any of the motion, the n that hold most."""
-        y = self.z[:, 1] if self.has[1] else np.diff(self.z[:, 0], append=self.z[-1:, 0])
+        """The first n samples; where they hold hardly any of the motion, the n that hold most.
+
+        What noise moves from sample to sample, at a high rate more than the motion does, is no motion; nor is a
+        sample that is none.
+        """
+        if self.has[1]:
+            y, gone, noise = self.z[:, 1], self.lost[:, 1], white_noise([self.z[:, 1]])
+        else:
+            x, lost = self.z[:, 0], self.lost[:, 0]
+            y, gone = np.diff(x, append=x[-1:]), lost | np.append(lost[1:], lost[-1:])
+            noise = np.sqrt(2.0) * white_noise([x])
+        y = np.where(gone, np.median(y[~gone]) if not gone.all() else 0.0, y)
         begins = range(0, max(y.size - n, 0) + 1, max(n // 2, 1))
         power = np.array([np.var(y[i : i + n]) for i in begins])
+        power = np.where(power < MORE * noise**2, 0.0, power - noise**2)
         i = 0 if power[0] >= STANDSTILL * power.max() else begins[int(np.argmax(power))]
         return self._between(i, i + n)
 
