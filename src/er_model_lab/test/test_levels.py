@@ -79,3 +79,13 @@ def test_an_encoder_at_a_halt_is_not_more_exact_than_its_counts(blur, counts):
     assert count(read) == pytest.approx(step if counts else 0.0)
     found = estimate_noise(channels_of(dt, read, None, None, np.zeros((t.size, 3), bool)))
     assert not counts or found.x >= step / np.sqrt(12.0) * (1.0 - 1e-9)
+
+
+def test_counts_that_show_in_no_fast_motion_are_found_in_the_whole_record():
+    """Where every sample moves by many counts they look like no noise at all."""
+    step, t = 1.2e-6, np.arange(6000) * 5e-4
+    x = 5e-3 * (1.0 - np.cos(12.0 * np.maximum(t - 2.0, 0.0)))
+    whole = channels_of(5e-4, step * np.round(x / step), None, None)
+    part = channels_of(5e-4, x[-1500:], None, None)
+    assert estimate_noise(part).x < 0.01 * step
+    assert estimate_noise(part, whole=whole).x == pytest.approx(step / np.sqrt(12.0))

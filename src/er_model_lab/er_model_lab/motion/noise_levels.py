@@ -105,8 +105,11 @@ class _Search:
         return float(self._ch.dt / np.sqrt(curvature)) if curvature > 0 else float("inf")
 
 
-def estimate_noise(ch: Channels, lag: float = 0.0) -> Noise:
-    """Maximum likelihood noise levels under the likeliest of the four motion models, at a known lag [s]."""
+def estimate_noise(ch: Channels, lag: float = 0.0, whole: Channels | None = None) -> Noise:
+    """Maximum likelihood noise levels under the likeliest of the four motion models, at a known lag [s].
+
+    whole: the record of which these samples are a part: counts of an encoder may show in another one.
+    """
     searches = [
         _Search(ch, replace(_start(ch, order), local=local, lag=lag))
         for order, local in _kinds(ch)
@@ -116,7 +119,7 @@ def estimate_noise(ch: Channels, lag: float = 0.0) -> Noise:
     near = [search for search in searches if search.value <= limit]
     _go_on(near, ch.z.shape[0])
     found = min(near, key=lambda search: search.value).noise
-    least = count(ch.z[:, 0]) / np.sqrt(12.0) if ch.has[0] else 0.0
+    least = count((whole or ch).z[:, 0]) / np.sqrt(12.0) if ch.has[0] else 0.0
     return found if found.x >= least else adapt(ch, replace(found, x=least))
 
 

@@ -95,7 +95,7 @@ def _prepared(
         if velocity_lag is not None
         else _lag_evidence(part if telling == longest else measured[telling].telling(FOR_NOISE))
     )
-    raw, noise, unresolved = _usable(measured, part, lag, velocity_lag or 0.0)
+    raw, noise, unresolved = _usable(measured, part, lag, velocity_lag or 0.0, measured[longest])
     noise = _completed(noise, part, raw)
     jobs = [(c, r == longest) for r, c in enumerate(raw)]
     fused = tuple(work.map(_fused, jobs, noise, stage="fusing the sensors"))
@@ -261,7 +261,7 @@ def _lag_evidence(channels: Channels) -> tuple[float, float]:
 
 
 def _usable(
-    measured: tuple[Channels, ...], part: Channels, lag: float, undone: float
+    measured: tuple[Channels, ...], part: Channels, lag: float, undone: float, whole: Channels
 ) -> tuple[tuple[Channels, ...], Noise, tuple[str, ...]]:
     """Channels to fuse, their noise levels, and what was left out.
 
@@ -269,9 +269,10 @@ def _usable(
     with them, the velocity seems to lag where deflection and velocity alone say that it does not. They are
     then kept as accelerations, but the velocity is not made from them. How noisy deflection and velocity are is still
     read off all three: without them rough motion and noise of the velocity look alike, and the velocity is believed
-    three times too much. undone: lag of the velocity channel that fusion takes out, in the noise returned.
+    three times too much. undone: lag of the velocity channel that fusion takes out, in the noise returned; whole: the
+    record of which the part is one.
     """
-    noise = estimate_noise(part, undone)
+    noise = estimate_noise(part, undone, whole)
     if not (part.has[0] and part.has[1] and part.has[2]):
         return measured, noise, ()
     seen = estimate_lag(part, noise)
@@ -292,7 +293,7 @@ def _completed(noise: Noise, part: Channels, raw: tuple[Channels, ...]) -> Noise
         if part.has[k] or not having:
             continue
         longest = max(having, key=lambda c: c.z.shape[0])
-        own = estimate_noise(longest.telling(FOR_NOISE), noise.lag)
+        own = estimate_noise(longest.telling(FOR_NOISE), noise.lag, longest)
         noise = replace(noise, **{name: getattr(own, name)})
     return noise
 
