@@ -26,6 +26,7 @@ road = node.create_publisher(topics.ROAD.type, topics.ROAD.name, qos.profile(top
 force = node.create_subscription(Float64, topics.FORCE.name, print, 10)
 there = topics.DEFLECTION
 latched = node.create_subscription(there.type, there.name, print, qos.profile(topics.STATUS.subscriber))
+print("up", flush=True)
 rclpy.spin(node)
 """
 
@@ -36,9 +37,14 @@ def test_faults_of_a_running_graph_are_named(tmp_path: Path) -> None:
         plant = graph.start("plant", *plant_arguments("-p", "duration:=0.0"))
         plant.wait_for("[plant]: running")
         intruder = subprocess.Popen(
-            [sys.executable, "-c", INTRUDER], env=env, stderr=subprocess.DEVNULL
+            [sys.executable, "-c", INTRUDER],
+            env=env,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
         )
         try:
+            assert intruder.stdout is not None
+            assert intruder.stdout.readline() == b"up\n"
             status, text = graph.run("doctor", "--seconds", "2", "--json", str(report))
         finally:
             intruder.kill()
