@@ -69,8 +69,8 @@ def shares_of(kind: int, s: float, shares: Array) -> None:
 def log_within(value: float, deviation: float) -> float:
     """Logarithm of the probability that a Gaussian lies in 0 to 1.
 
-    Far outside it falls with the square of the distance: a fault whose likeliest factor is none is as likely as the
-    nearest one that is.
+    Far outside it falls with the square of the distance: a fault whose likeliest factor lies outside is as likely as
+    its nearest factor inside.
     """
     low, high = -value / (deviation * _ROOT_2), (1.0 - value) / (deviation * _ROOT_2)
     if low > 0.0:
