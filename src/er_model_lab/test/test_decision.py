@@ -377,6 +377,19 @@ def test_stribeck_friction_without_a_breakaway_is_coulomb_friction():
     assert [c.name for c in near] == ["coulomb_friction", "stribeck_friction"]
     assert nested(plain, rich, problem)
     assert not rivals(plain, rich, problem)
+    assert search.plain(rich, problem, 0.01)[0].effects == ("coulomb_friction",)
+
+
+def test_a_breakaway_with_a_long_tail_is_met_by_its_form():
+    """Hess and Soom's law; a fit that begins at an exponential does not get there."""
+    values = {"F_c": 0.5, "F_s": 4.0, "v_s": 0.012, "v_0": 0.003, "s": 1.0}
+    model, problem = problem_of("stribeck_friction", values, seed=3)
+    base = baseline(model, problem)
+    found = refit(base, model.catalogue["stribeck_friction"], problem, max_iter=30)
+    assert found.fit.model.value("stribeck_friction", "s") == pytest.approx(1.0, abs=0.3)
+    assert (
+        np.sqrt(found.mse) < 1.2 * FORCE_NOISE
+    )  # what the errors of the motion cause is there, too
 
 
 def test_what_the_motions_errors_hide_is_said_to_be_hidden():

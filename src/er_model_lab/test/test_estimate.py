@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from er_model_lab.fitting.estimate import estimated, settled
-from er_model_lab.fitting.fit import fit, with_deviations
+from er_model_lab.fitting.estimate import MOST_BIAS, estimated, settled, stopped, trusted
+from er_model_lab.fitting.fit import Box, fit, with_deviations
 from er_model_lab.problem.prepare import prepare
 from er_models.model import Model
 from er_models.prediction import motion, predict
@@ -35,6 +35,50 @@ def test_noise_of_the_motion_no_longer_widens_the_friction():
         after.append(errors(better, better)[1])
     assert np.mean(before) > 1.5
     assert abs(np.mean(after)) < 0.6 * np.mean(before)
+
+
+def test_of_a_bias_beyond_trust_values_that_make_up_for_each_other_are_taken_together():
+    """Each cut by itself, the sum of two frictions would move though the data tell it."""
+    sd, alike = np.array([1.0, 1.0, 0.1]), -1.0 + 1e-6
+    covariance = np.array([[1.0, alike, 0.0], [alike, 1.0, 0.0], [0.0, 0.0, 0.01]])
+    taken = trusted(np.array([30.0, -29.99, 0.05]), covariance)
+    assert taken[0] == pytest.approx(MOST_BIAS * sd[0], rel=0.01)
+    assert abs(taken[0] + taken[1]) < MOST_BIAS * np.sqrt(2.0 * (1.0 + alike))
+    assert taken[2] == pytest.approx(0.05)
+    unknown = np.full((3, 3), np.nan)
+    unknown[2, 2] = 0.01
+    assert trusted(np.array([30.0, -29.9, 0.05]), unknown).tolist() == [
+        0.0,
+        0.0,
+        pytest.approx(0.05),
+    ]
+
+
+def test_where_a_bound_stops_a_value_the_others_follow():
+    """Two frictions of one width make the force of their sum; the second one cannot fall below nothing."""
+    model, problem = problem_of("coulomb_friction", TRUE, seed=2)
+    free = (("passive", "c0"), ("coulomb_friction", "F_c"), ("stribeck_friction", "F_c"))
+    both = model.with_effect("coulomb_friction").with_effect("stribeck_friction")
+    box, rng = Box(both, free, problem.scales), np.random.default_rng(0)
+    damping, friction = rng.standard_normal((2, 500))
+    j, theta = np.stack([damping, friction, friction], axis=1), np.array([1.0, 0.2, 0.1])
+    inner, step = np.full(3, True), np.array([0.05, 0.3, -0.3])
+    found = stopped(theta, step, j, inner, box)
+    assert found.tolist() == pytest.approx([1.05, 0.3, 0.0])
+    assert stopped(theta, 0.1 * step, j, inner, box).tolist() == pytest.approx([1.005, 0.23, 0.07])
+
+
+def test_estimates_of_two_frictions_leave_hardly_more_than_the_fit():
+    """A positioning drive: a high breakaway along a motion that is known badly, beside a Coulomb friction."""
+    values = {"F_c": 0.05, "F_s": 9.0, "v_s": 0.02, "v_0": 0.004}
+    model, problem = problem_of(
+        "stribeck_friction", values, seed=5, accelerometers=False, blur=10.0
+    )
+    both = model.with_effect("coulomb_friction", {"F_c": 1.0, "v_0": 0.01})
+    fitted = fit(both.with_effect("stribeck_friction", values), problem, max_iter=40)
+    better = estimated(fitted, problem, 0)
+    left = np.sqrt(np.mean((problem.force - problem.predict(better))[problem.train] ** 2))
+    assert left < 1.3 * np.sqrt(fitted.mse(problem.train))
 
 
 def test_clean_motion_is_left_where_it_is():

@@ -55,6 +55,14 @@ def test_a_force_that_jumps_keeps_a_rate_that_shows_it(noise, kept):
     assert 1.0 / at_needed_rate(given).dt == pytest.approx(kept)
 
 
+def test_content_above_the_noise_is_kept_however_small():
+    """A ripple of 0.1 N at 60 Hz on 40 N is a millionth of the variance: an effect, where the noise is less."""
+    t = np.arange(8000) / RATE
+    force = 40.0 * np.sin(2 * np.pi * 3.0 * t) + 0.1 * np.sin(2 * np.pi * 60.0 * t)
+    rates = [1.0 / at_needed_rate(record(force=force, noise=noise)[0]).dt for noise in (0.01, 1.0)]
+    assert rates == pytest.approx([333.3, 200.0], rel=1e-3)
+
+
 def test_a_wild_sample_marks_what_it_was_filtered_into():
     given, _, _ = record()
     mask = np.zeros(8000, bool)

@@ -18,7 +18,15 @@ from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.restarts import awakened, handed_over, restarts, terms
 from er_model_lab.diagnosis.size_scan import profiled, scanned
-from er_model_lab.diagnosis.starts import amplitudes, gaps, is_gap, is_limit, scaled, starts
+from er_model_lab.diagnosis.starts import (
+    amplitudes,
+    gaps,
+    is_gap,
+    is_limit,
+    of_each_form,
+    scaled,
+    starts,
+)
 from er_model_lab.fitting.fit import (
     FIRST_ITERATIONS,
     Fit,
@@ -241,7 +249,9 @@ def _fitted_with(
         return base.fit.model.with_effect(effect.name, values)
 
     many = STARTS if sketch else 1 if amplitudes(effect) else 2
-    fits = [begun(grown(values)) for values in (*also, *seen.points[:many])]
+    first = seen.points[:many]
+    others = [p for p in of_each_form(effect, seen.points) if p not in first]
+    fits = [begun(grown(values)) for values in (*also, *first, *others)]
     fits += [begun(m, None) for m in handed_over(base.fit.model, effect, problem)]
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
     fits = fits or [begun(grown(starts(effect, problem)[0]))]

@@ -360,10 +360,15 @@ def plain(
 ) -> tuple[Candidate, tuple[tuple[str, ...], ...]]:
     """A fitted model with special cases in place of generalised forms that do not gain far more, and ties with them.
 
-    A form that needs nothing beyond what its special case has, though that by itself fits worse, is tied with it.
+    A form that needs nothing beyond what its special case has, though that by itself fits worse, is tied with it. A
+    rival of fewer parameters that makes the very same force stands in its place in any case.
     """
     catalogue, ties = best.fit.model.catalogue, []
     for name in best.effects:
+        same = _the_same(best, name, problem)
+        if same is not None:
+            best = specialised(best, name, same, problem)
+            continue
         for special in catalogue[name].generalises:
             model = best.fit.model
             if special in model.effects or name not in model.effects:
@@ -374,6 +379,24 @@ def plain(
             elif left_as(best, name, special, problem) - best.seen <= limit**2:
                 ties.append((name, special))
     return best, tuple(ties)
+
+
+def _the_same(best: Candidate, name: str, problem: Problem) -> str | None:
+    """A rival of fewer parameters that makes the very same force with its share of the values; None where none does.
+
+    Stribeck friction whose breakaway fell to nothing, beside what was found later, is Coulomb friction.
+    """
+    model, force = best.fit.model, problem.force - best.fit.residual
+    effect, values = model.catalogue[name], model.effects.get(name, {})
+    for other in effect.signature.rivals:
+        shared = model.catalogue[other].names
+        if other in model.effects or not {*shared} < {*values}:
+            continue
+        simple = model.without_effect(name).with_effect(other, {q: values[q] for q in shared})
+        change = (problem.predict(simple) - force)[problem.train]
+        if np.mean(change**2) < SAME * best.seen:
+            return other
+    return None
 
 
 def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:

@@ -30,6 +30,13 @@ def amplitudes(effect: Effect) -> list[int]:
     ]
 
 
+def of_each_form(effect: Effect, points: list[dict[str, float]]) -> list[dict[str, float]]:
+    """The first of some starts of each form that refinements give the effect: fits do not get from one to another."""
+    form = [q.name for q in effect.parameters if q.optional]
+    first = {tuple(p[name] for name in form): p for p in reversed(points)}
+    return [p for p in points if p in first.values()]
+
+
 def is_limit(effect: Effect) -> bool:
     """Whether one value of the car says from where on something is cut off."""
     return effect.stage == "vehicle" and len(effect.parameters) == 1 and not amplitudes(effect)

@@ -20,6 +20,7 @@ and together, while all else follows in a straight line.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,6 +36,7 @@ from er_model_lab.fitting.fit import (
     about,
     covariance,
     fit,
+    mean_square,
     part_of,
     standard_deviations,
     turned,
@@ -50,6 +52,9 @@ DRAWS = 6
 """Draws of the motion."""
 MOST_BIAS = 4.0
 """Bias that one step can be trusted with, in standard deviations."""
+SHARES, CROOKED = (1.0, 0.5, 0.25), 1.5
+"""Shares of a bias that are tried, and the mean square, over that which derivatives promise, up to which one is taken.
+"""
 POLISH = 6
 """Most Gauss-Newton steps along secants."""
 ABOUT = (0.75, 0.85, 0.92, 0.96, 0.98, 0.99, 1.01, 1.02, 1.04, 1.08, 1.18, 1.33)
@@ -291,11 +296,60 @@ def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
     moves = [_step(j[train], e[train], inner) for e in errors]
     bias, spread = np.mean(moves, axis=0), np.std(moves, axis=0, ddof=1)
     found = covariance(fitted, problem)
-    most = MOST_BIAS * np.nan_to_num(np.sqrt(np.maximum(np.diag(found), 0.0)) / fitted.scale)
-    taken = np.clip(bias, -most, most)
-    theta = np.clip(fitted.theta - taken, box.low, box.high)
+    believed = trusted(bias, found / np.outer(fitted.scale, fitted.scale))
+    theta = _as_far_as_straight(
+        [stopped(fitted.theta, -s * believed, j[train], inner, box) for s in SHARES],
+        fitted, j, problem, box,
+    )  # fmt: skip
+    taken = fitted.theta - theta
     doubt = spread**2 / DRAWS + (bias - taken) ** 2
     return Estimate(theta, taken, found + np.diag(doubt * fitted.scale**2))
+
+
+def _as_far_as_straight(
+    points: Sequence[Array], fitted: Fit, j: Array, problem: Problem, box: Box
+) -> Array:
+    """The first of some points (p,) where the error is what derivatives j (n, p) promise; the fit's where none is."""
+    train, left = problem.train, fitted.mse(problem.train)
+    forces = problem.predict_many(box.model, box.vectors(np.array(points)))
+    for theta, force in zip(points, forces, strict=True):
+        straight = mean_square((fitted.residual - j @ (theta - fitted.theta))[train])
+        if mean_square((problem.force - force)[train]) <= SMALLEST**2 * left + CROOKED * straight:
+            return theta
+    return fitted.theta
+
+
+def trusted(bias: Array, covariance: Array) -> Array:
+    """The part of a bias (p,) that one step can be trusted with, along each direction that errs by itself.
+
+    Values that make up for each other are moved together or not at all. covariance (p, p): not finite where nothing is
+    known, and nothing is taken there.
+    """
+    variance = np.diag(covariance)
+    known = np.isfinite(variance) & (variance > 0.0)
+    sd = np.sqrt(variance[known])
+    alike = covariance[np.ix_(known, known)] / np.outer(sd, sd)
+    size, along = np.linalg.eigh(alike)
+    wide = np.sqrt(np.maximum(size, 1e-12))
+    apart = np.clip(along.T @ (bias[known] / sd) / wide, -MOST_BIAS, MOST_BIAS)
+    out = np.zeros_like(bias)
+    out[known] = sd * (along @ (wide * apart))
+    return out
+
+
+def stopped(theta: Array, step: Array, j: Array, inner: NDArray[np.bool_], box: Box) -> Array:
+    """The point a step (p,) away from theta (p,), in the box; where a bound stops a value the others follow.
+
+    They move so that the force goes as far as with the whole step, as nearly as they can. j (n, p): its derivatives;
+    inner (p,): values that may move.
+    """
+    out, free, far = theta + step, inner.copy(), j @ step
+    while (over := free & ((out < box.low) | (out > box.high))).any():
+        out[over] = np.clip(out, box.low, box.high)[over]
+        free &= ~over
+        held = np.where(free, 0.0, out - theta)
+        out[free] = (theta + _step(j, far - j @ held, free))[free]
+    return out
 
 
 def estimated(fitted: Fit, problem: Problem, seed: int, given: Model | None = None) -> Model:

@@ -14,8 +14,9 @@ from er_model_lab.filtering import kaiser, low_pass, welch
 
 SPOKEN = ("damper_force", *ACCELEROMETERS)
 """Channels that a model must describe: their content decides."""
-ABOVE = 1e-4
-"""Share of a channel's variance, noise aside, that may lie above the frequency that counts as its highest."""
+ABOVE, CLEAN = 1e-4, 1e-8
+"""Share of a channel's variance, noise aside, that may lie above the frequency that counts as its highest, where it has
+more white noise than that below; that of a channel without noise."""
 TIMES = 5.0
 """Samples for each period of that frequency."""
 LEAST, MOST, SHARP = 200.0, 500.0, 1000.0
@@ -44,10 +45,11 @@ def spectrum(y: Array, rate: float) -> Spectrum:
 
 
 def highest(of: Spectrum) -> float:
-    """Frequency [Hz] above which `ABOVE` of the variance of a channel lies, white noise aside."""
+    """Frequency [Hz] above which a channel has less content than white noise below, and no more than `ABOVE`."""
     f, signal = of.f, of.signal
     tail = np.cumsum(signal[::-1])[::-1]
-    return float(f[np.argmax(tail <= ABOVE * tail[0])]) if tail[0] > 0.0 else 0.0
+    most = np.clip(of.noise * np.arange(f.size), CLEAN * tail[0], ABOVE * tail[0])
+    return float(f[np.argmax(tail <= most)]) if tail[0] > 0.0 else 0.0
 
 
 def loses(of: Spectrum, slower: float) -> bool:
