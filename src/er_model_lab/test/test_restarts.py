@@ -38,27 +38,27 @@ def test_a_play_of_its_own_is_handed_over():
     model, problem = brake(3)
     own = model.with_effect("friction_with_play", {**SHUT, "b": 1.5e-3})
     found = handed_over(own, model.catalogue["freeplay"], problem)
-    assert [m.value("freeplay", "b") for m in found] == [1.5e-3, 1.5e-3]
-    assert [m.value("friction_with_play", "F_h") for m in found] == pytest.approx([60.0, 18.0])
+    assert {m.value("freeplay", "b") for m in found} == {1.5e-3}
+    assert {m.value("friction_with_play", "F_h") for m in found} == {60.0, 18.0}
+    assert len({m.value("friction_with_play", "z_y") for m in found}) == 3
     assert all(m.value("friction_with_play", "b") == 0.0 for m in found)
     assert handed_over(own, model.catalogue["coulomb_friction"], problem) == []
     assert handed_over(model, model.catalogue["freeplay"], problem) == []
+    gap = model.with_effect("freeplay", {"b": 2e-3})
+    found = handed_over(gap, model.catalogue["friction_with_play"], problem)
+    assert {m.value("friction_with_play", "b") for m in found} == {0.0}
+    assert handed_over(model, model.catalogue["friction_with_play"], problem) == []
 
 
-def test_friction_behind_a_gap_is_found_by_way_of_its_own_play():
-    """Without handing over, what both leave is more than ten times the noise of 1 N.
-
-    Which valley a fit ends in hangs on the last digit, and so on the processor: three of four motions must do.
-    """
-    found = 0
-    for seed in (7, 8, 9, 10):
-        model, problem = brake(seed)
-        alone = finished(
-            refit(baseline(model, problem), model.catalogue["friction_with_play"], problem),
-            problem,
-        )
-        assert np.sqrt(alone.seen) > 5.0
-        both = finished(refit(alone, model.catalogue["freeplay"], problem), problem)
-        gap = both.fit.model.value("freeplay", "b")
-        found += bool(np.sqrt(both.seen) < 1.5 and abs(gap - 2e-3) < 0.1 * 2e-3)
-    assert found >= 3
+@pytest.mark.parametrize("seed", [3, 4, 6])
+@pytest.mark.parametrize("first", ["friction_with_play", "freeplay"])
+def test_friction_behind_a_gap_is_found_by_way_of_either(first, seed):
+    """What the first leaves is ten times the noise of 1 N; without handing over, what both leave is so, too."""
+    model, problem = brake(seed)
+    second = {"friction_with_play", "freeplay"} - {first}
+    alone = finished(refit(baseline(model, problem), model.catalogue[first], problem), problem)
+    assert np.sqrt(alone.seen) > 5.0
+    both = finished(refit(alone, model.catalogue[second.pop()], problem), problem)
+    assert np.sqrt(both.seen) < 4.0
+    assert both.fit.model.value("freeplay", "b") == pytest.approx(2e-3, rel=0.05)
+    assert both.fit.model.value("friction_with_play", "b") < 1e-4

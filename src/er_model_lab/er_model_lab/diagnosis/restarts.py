@@ -20,7 +20,7 @@ UNMOVED = 1e-4
 """Change of a prediction, over what is left, up to which a parameter does not move it."""
 LESS = (1.0, 0.3)
 """Shares of its strength with which an effect goes on whose play another one takes over: alone it did the work of both.
-"""
+All else of it is as it was, or begins anew."""
 
 
 def terms(model: Model) -> list[str]:
@@ -39,13 +39,16 @@ def restarts(model: Model, problem: Problem, names: Sequence[str]) -> list[Model
 
 
 def handed_over(model: Model, effect: Effect, problem: Problem) -> list[Model]:
-    """The model with one effect more that takes over the play which another one has; empty where there is none.
+    """The model with one effect more beside another one that has a play; empty where there is none.
 
     A friction behind a gap is first met by an effect that has a play of its own. Where all of the damper is behind the
-    gap, a fit does not get from the one to the other.
+    gap, a fit does not get from the one to the other: the gap takes the play over. Where the gap is there already, the
+    friction begins without one of its own.
     """
-    if not (is_gap(effect) and "bound" in effect.hooks):
+    if "bound" not in effect.hooks:
         return []
+    if not is_gap(effect):
+        return _without_play(model, effect, problem)
     gap, first, found = effect.parameters[0].name, starts(effect, problem)[0], list[Model]()
     for name, values in model.effects.items():
         hook = model.catalogue[name].hooks.get("bound")
@@ -57,7 +60,24 @@ def handed_over(model: Model, effect: Effect, problem: Problem) -> list[Model]:
         for share in LESS:
             less = {q: share * value for q, value in strong.items()}
             found.append(grown.with_effect(name, {**values, **less, own: 0.0}))
+        found += [grown.with_effect(name, {**p, **strong}) for p in _shut(held, own, problem)]
     return found
+
+
+def _without_play(model: Model, effect: Effect, problem: Problem) -> list[Model]:
+    """The model with an effect more whose own play is none; empty where the model has no gap."""
+    if not any(
+        is_gap(model.catalogue[n]) and "bound" in model.catalogue[n].hooks for n in model.effects
+    ):
+        return []
+    (own,) = arguments(effect.hooks["bound"])
+    return [model.with_effect(effect.name, p) for p in _shut(effect, own, problem)]
+
+
+def _shut(effect: Effect, own: str, problem: Problem) -> list[dict[str, float]]:
+    """The starts of an effect without the play that it has of its own, each once."""
+    points = [{**p, own: 0.0} for p in starts(effect, problem)]
+    return [p for k, p in enumerate(points) if p not in points[:k]]
 
 
 def awakened(fitted: Fit, problem: Problem, look: int, max_iter: int) -> Fit:

@@ -14,7 +14,7 @@ EFFECT = Effect(
     title="Time offset of the force channel",
     physics="Two data acquisition channels that do not share a clock: the force arrives late "
     "(or early).",
-    parameters=(Param("d", "s", -0.02, 0.02, 0.0, (0.002,), "delay of the force"),),
+    parameters=(Param("d", "s", -0.1, 0.1, 0.0, (0.002,), "delay of the force"),),
     hooks={"output_delay": output_delay},
     signature=Signature(
         mark="residual follows the rate of the force",
