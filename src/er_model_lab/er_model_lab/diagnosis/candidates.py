@@ -52,6 +52,9 @@ A_LOOK = 4
 STARTS = 3
 """From how many starts an effect is fitted for a look: the one that promises most in a straight line may lead astray.
 """
+HANDED = 1, 3, 2.0
+"""Iterations that each model gets in which another effect hands its play over, how many of them go on, and up to which
+multiple of the error before."""
 FINALISTS = 4
 """Candidates that are fitted to the end; of many runs these are fitted to all."""
 TRYING, FINISHING = "trying effects", "fitting the best to the end"
@@ -242,8 +245,8 @@ def _fitted_with(
     if seen.gain**2 < NOTHING * left and amplitudes(effect) and not is_gap(effect):
         max_iter = 0
 
-    def begun(grown: Model, known: Array | None = base.fit.jacobian) -> Fit:
-        return fit(grown, problem, known=known, target=target, max_iter=max_iter, sketch=sketch)
+    def begun(grown: Model, known: Array | None = base.fit.jacobian, most: int = max_iter) -> Fit:
+        return fit(grown, problem, known=known, target=target, max_iter=most, sketch=sketch)
 
     def grown(values: Values) -> Model:
         return base.fit.model.with_effect(effect.name, values)
@@ -252,7 +255,11 @@ def _fitted_with(
     first = seen.points[:many]
     others = [p for p in of_each_form(effect, seen.points) if p not in first]
     fits = [begun(grown(values)) for values in (*also, *first, *others)]
-    fits += [begun(m, None) for m in handed_over(base.fit.model, effect, problem)]
+    models = handed_over(base.fit.model, effect, problem)
+    looks = [begun(m, None, HANDED[0]) for m in models]
+    near = [f for f in looks if f.mse(problem.train) < HANDED[2] ** 2 * left]
+    hopeful = sorted(near, key=lambda f: f.mse(problem.train))[: HANDED[1]]
+    fits += [begun(f.model, None) for f in hopeful]
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
     fits = fits or [begun(grown(starts(effect, problem)[0]))]
     fitted = min(fits, key=lambda f: f.mse(problem.train))

@@ -60,7 +60,8 @@ def handed_over(model: Model, effect: Effect, problem: Problem) -> list[Model]:
         for share in LESS:
             less = {q: share * value for q, value in strong.items()}
             found.append(grown.with_effect(name, {**values, **less, own: 0.0}))
-        found += [grown.with_effect(name, {**p, **strong}) for p in _shut(held, own, problem)]
+        anew = _once([{**p, **strong, own: 0.0} for p in starts(held, problem)])
+        found += [grown.with_effect(name, p) for p in anew]
     return found
 
 
@@ -71,12 +72,12 @@ def _without_play(model: Model, effect: Effect, problem: Problem) -> list[Model]
     ):
         return []
     (own,) = arguments(effect.hooks["bound"])
-    return [model.with_effect(effect.name, p) for p in _shut(effect, own, problem)]
+    points = _once([{**p, own: 0.0} for p in starts(effect, problem)])
+    return [model.with_effect(effect.name, p) for p in points]
 
 
-def _shut(effect: Effect, own: str, problem: Problem) -> list[dict[str, float]]:
-    """The starts of an effect without the play that it has of its own, each once."""
-    points = [{**p, own: 0.0} for p in starts(effect, problem)]
+def _once(points: list[dict[str, float]]) -> list[dict[str, float]]:
+    """Starts without those that came before."""
     return [p for k, p in enumerate(points) if p not in points[:k]]
 
 
