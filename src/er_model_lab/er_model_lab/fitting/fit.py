@@ -218,16 +218,15 @@ def _leg(
 ) -> _Leg:  # fmt: skip
     """The way from scaled values theta (p,), where the prediction is f (n,), to the least mean square.
 
-    Where known derivatives make no step, or one that is worth little, it ends. Of long data, where equations are
-    smooth, or the way is but sketched, derivatives are turned after a step that did what they promised, and taken anew
-    at the end.
+    Where known derivatives make no step, or one that is worth little, it ends. Of long data, or where the way is but
+    sketched, derivatives are turned after a step that did what they promised, and taken anew at the end.
     """
     train, y = problem.train, problem.force
     cost = _cost(f, problem)
     damping, exact, at = 1e-3, known is None, theta
     jacobian = _jacobian(box, theta, f, problem, known)
     rounds, rests = 0, 0
-    turns = sketch or (box.smooth and problem.motion.n * problem.motion.dt > MANY)
+    turns = sketch or (problem.motion.n * problem.motion.dt > MANY)
     while rounds < max_iter and np.isfinite(cost):
         problem.work.check()
         rounds += sketch or not rests
