@@ -380,6 +380,19 @@ def test_stribeck_friction_without_a_breakaway_is_coulomb_friction():
     assert search.plain(rich, problem, 0.01)[0].effects == ("coulomb_friction",)
 
 
+@pytest.mark.parametrize(
+    ("hidden", "named"), [(0.0, "coulomb_friction"), (1.5, "stribeck_friction")]
+)
+def test_beside_other_effects_a_friction_is_no_richer_than_it_needs_to_be(hidden, named):
+    """What bent a friction before another effect was there no longer counts once it is."""
+    values = {"F_c": 1.0, "F_s": hidden, "v_s": 0.01, "v_0": 0.003}
+    model, problem = problem_of("stribeck_friction", values, seed=3)
+    begun = {**values, "F_s": 0.3, "v_s": 0.3}
+    both = model.with_effect("preload", {"F_0": 0.0}).with_effect("stribeck_friction", begun)
+    found = cross_judged(("preload", "stribeck_friction"), fit(both, problem), problem)
+    assert search.plain(found, problem, 0.03)[0].effects == ("preload", named)
+
+
 def test_a_breakaway_with_a_long_tail_is_met_by_its_form():
     """Hess and Soom's law; a fit that begins at an exponential does not get there."""
     values = {"F_c": 0.5, "F_s": 4.0, "v_s": 0.012, "v_0": 0.003, "s": 1.0}

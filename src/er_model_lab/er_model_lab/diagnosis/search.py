@@ -24,7 +24,7 @@ from er_model_lab.diagnosis.candidates import (
 from er_model_lab.diagnosis.determined import far, loose, unseen
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
-from er_model_lab.fitting.fit import standard_deviations
+from er_model_lab.fitting.fit import mean_square, standard_deviations
 from er_model_lab.problem.problem import Problem
 
 PAIRS_OF = 6
@@ -361,14 +361,16 @@ def plain(
     """A fitted model with special cases in place of generalised forms that do not gain far more, and ties with them.
 
     A form that needs nothing beyond what its special case has, though that by itself fits worse, is tied with it. A
-    rival of fewer parameters that makes the very same force stands in its place in any case.
+    simple effect that a richer one holds stands in its place where it leaves the same; beside other effects also where
+    it is behind by nothing that counts: the richer one may have done their work before they were there.
     """
     catalogue, ties = best.fit.model.catalogue, []
     for name in best.effects:
-        same = _the_same(best, name, problem)
-        if same is not None:
-            best = specialised(best, name, same, problem)
-            continue
+        held = [specialised(best, name, other, problem) for other in _held_in(best, name, problem)]
+        for trial in sorted(held, key=lambda c: c.mse)[:1]:
+            alike = trial.seen <= (1.0 + SAME) * best.seen
+            if alike or (len(best.effects) > 1 and effect_size(trial, best) <= limit):
+                best = trial
         for special in catalogue[name].generalises:
             model = best.fit.model
             if special in model.effects or name not in model.effects:
@@ -381,22 +383,29 @@ def plain(
     return best, tuple(ties)
 
 
-def _the_same(best: Candidate, name: str, problem: Problem) -> str | None:
-    """A rival of fewer parameters that makes the very same force with its share of the values; None where none does.
+def _held_in(best: Candidate, name: str, problem: Problem) -> list[str]:
+    """Rivals of fewer parameters that an effect of a model is, once all else of it does nothing.
 
-    Stribeck friction whose breakaway fell to nothing, beside what was found later, is Coulomb friction.
+    Stribeck friction without breakaway is Coulomb friction.
     """
-    model, force = best.fit.model, problem.force - best.fit.residual
+    model, train = best.fit.model, problem.train
     effect, values = model.catalogue[name], model.effects.get(name, {})
+    found = []
     for other in effect.signature.rivals:
-        shared = model.catalogue[other].names
-        if other in model.effects or not {*shared} < {*values}:
+        shared = {*model.catalogue[other].names}
+        if other in model.effects or not shared < {*values}:
             continue
+        idle = {
+            q.name: q.neutral
+            for q in effect.parameters
+            if q.name not in shared and q.neutral is not None
+        }
         simple = model.without_effect(name).with_effect(other, {q: values[q] for q in shared})
-        change = (problem.predict(simple) - force)[problem.train]
-        if np.mean(change**2) < SAME * best.seen:
-            return other
-    return None
+        less = model.with_effect(name, {**values, **idle})
+        change = (problem.predict(simple) - problem.predict(less))[train]
+        if mean_square(change) < SAME * best.seen:
+            found.append(other)
+    return found
 
 
 def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
