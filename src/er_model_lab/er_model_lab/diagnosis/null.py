@@ -24,6 +24,8 @@ from er_model_lab.problem.problem import Problem
 
 MOTIONS = 6
 """Draws of the motion; each serves many draws of the force noise."""
+CREDIBLE = 3.0
+"""Multiple of what the best rival leaves up to which a model is believed in what the motion sensors cause beside it."""
 PEAKS = 12
 """Largest replicates from which the tail is drawn on."""
 
@@ -95,7 +97,9 @@ def simulate_null(
     leader = rivals[0] if rivals else base
     noise, colour = _force_noise(leader, problem, input_error)
     square, outputs = np.mean(wobble**2, axis=0), problem.forward.outputs
-    least = input_error if problem.cycles or problem.rounded else 0.0
+    # what the sensors cause at random no effect takes away: the best rival still leaves it
+    believed = min(input_error, CREDIBLE * float(np.sqrt(leader.mse)))
+    least = believed if problem.cycles or problem.rounded else 0.0
     many = -(-replicates // MOTIONS)
     errors = np.repeat(wobble, many, axis=0) + problem.forward.output_errors(
         leader.fit.residual, noise, colour, rng, many * MOTIONS
