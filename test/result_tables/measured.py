@@ -45,8 +45,9 @@ def improved(run: Run, values: dict[str, Any]) -> str:
 
     rows = []
     for step in values["steps"]:
-        name = step["added"]
-        title = "start model, refitted" if name is None else f"+ {CATALOGUE[name].title}"
+        together = (step["added"] or "").split(" + ")  # of effects that help together, one step
+        titles = " and ".join(CATALOGUE[name].title for name in together if name)
+        title = f"+ {titles}" if titles else "start model, refitted"
         sizes = [f"{step[key]:.3g} N" if key in step else "" for key in ("evidence", "threshold")]
         shares = [_share(step, key) for key in ("blocks", "records")]
         rows.append([title, *error(step["rmse_held_out"]), *sizes, *shares])
