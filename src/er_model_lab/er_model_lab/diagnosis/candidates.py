@@ -52,9 +52,9 @@ A_LOOK = 4
 STARTS = 3
 """From how many starts an effect is fitted for a look: the one that promises most in a straight line may lead astray.
 """
-HANDED = 1, 3, 2.0
-"""Iterations that each model gets in which another effect hands its play over, how many of them go on, and up to which
-multiple of the error before."""
+GLANCE, GO_ON, LOST = 1, 3, 2.0
+"""Iterations that each model gets in which another effect hands its play over, how many of them go on, and the multiple
+of the error before from which on none does."""
 FINALISTS = 4
 """Candidates that are fitted to the end; of many runs these are fitted to all."""
 TRYING, FINISHING = "trying effects", "fitting the best to the end"
@@ -256,9 +256,9 @@ def _fitted_with(
     others = [p for p in of_each_form(effect, seen.points) if p not in first]
     fits = [begun(grown(values)) for values in (*also, *first, *others)]
     models = handed_over(base.fit.model, effect, problem)
-    looks = [begun(m, None, HANDED[0]) for m in models]
-    near = [f for f in looks if f.mse(problem.train) < HANDED[2] ** 2 * left]
-    hopeful = sorted(near, key=lambda f: f.mse(problem.train))[: HANDED[1]]
+    looks = [begun(m, None, GLANCE) for m in models]
+    near = [f for f in looks if f.mse(problem.train) < LOST**2 * left]
+    hopeful = sorted(near, key=lambda f: f.mse(problem.train))[:GO_ON]
     fits += [begun(f.model, None) for f in hopeful]
     fits = [f for f in fits if np.isfinite(f.mse(problem.train))]
     fits = fits or [begun(grown(starts(effect, problem)[0]))]
@@ -459,10 +459,7 @@ def specialised(best: Candidate, name: str, special: str, problem: Problem) -> C
 
     It begins with the values that both share: from a start of its own it may have ended elsewhere.
     """
-    model = best.fit.model
-    shared = model.catalogue[special].names
-    values = {q: value for q, value in model.effects[name].items() if q in shared}
-    simple = model.without_effect(name).with_effect(special, values)
+    simple = as_special(best.fit.model, name, special)
     effects = tuple(special if e == name else e for e in best.effects)
     return cross_judged(effects, fit(practised(simple, problem), problem), problem)
 
@@ -473,16 +470,27 @@ def left_as(best: Candidate, name: str, special: str, problem: Problem) -> float
     Infinite where the form does not hold all values of the special case: without the others it is nothing.
     """
     model, effect = best.fit.model, best.fit.model.catalogue[name]
-    shared = model.catalogue[special].names
-    if not {*shared} <= {*effect.names}:
+    if not {*model.catalogue[special].names} <= {*effect.names}:
         return np.inf
+    return fit(idle_but(model, name, special), problem, max_iter=0).mse(problem.train)
+
+
+def as_special(model: Model, name: str, special: str) -> Model:
+    """The model with a special case in the place of a form, with the values that both share."""
+    shared = model.catalogue[special].names
+    values = {q: value for q, value in model.effects[name].items() if q in shared}
+    return model.without_effect(name).with_effect(special, values)
+
+
+def idle_but(model: Model, name: str, special: str) -> Model:
+    """The model with a form of which nothing acts but what its special case has."""
+    shared = model.catalogue[special].names
     idle = {
         q.name: q.neutral
-        for q in effect.parameters
+        for q in model.catalogue[name].parameters
         if q.name not in shared and q.neutral is not None
     }
-    less = model.with_effect(name, {**model.effects[name], **idle})
-    return fit(less, problem, max_iter=0).mse(problem.train)
+    return model.with_effect(name, {**model.effects[name], **idle})
 
 
 def left_without(name: str, problem: Problem, candidate: Candidate) -> float:

@@ -11,8 +11,10 @@ from er_models.model import Array
 
 from er_model_lab.diagnosis.candidates import (
     Candidate,
+    as_special,
     effect_size,
     finished,
+    idle_but,
     left_as,
     left_without,
     refit,
@@ -367,7 +369,8 @@ def plain(
     catalogue, ties = best.fit.model.catalogue, []
     for name in best.effects:
         held = [specialised(best, name, other, problem) for other in _held_in(best, name, problem)]
-        for trial in sorted(held, key=lambda c: c.mse)[:1]:
+        if held:
+            trial = min(held, key=lambda c: c.mse)
             alike = trial.seen <= (1.0 + SAME) * best.seen
             if alike or (len(best.effects) > 1 and effect_size(trial, best) <= limit):
                 best = trial
@@ -388,22 +391,14 @@ def _held_in(best: Candidate, name: str, problem: Problem) -> list[str]:
 
     Stribeck friction without breakaway is Coulomb friction.
     """
-    model, train = best.fit.model, problem.train
-    effect, values = model.catalogue[name], model.effects.get(name, {})
-    found = []
-    for other in effect.signature.rivals:
+    model, found = best.fit.model, list[str]()
+    for other in model.catalogue[name].signature.rivals if name in model.effects else ():
         shared = {*model.catalogue[other].names}
-        if other in model.effects or not shared < {*values}:
+        if other in model.effects or not shared < {*model.effects[name]}:
             continue
-        idle = {
-            q.name: q.neutral
-            for q in effect.parameters
-            if q.name not in shared and q.neutral is not None
-        }
-        simple = model.without_effect(name).with_effect(other, {q: values[q] for q in shared})
-        less = model.with_effect(name, {**values, **idle})
-        change = (problem.predict(simple) - problem.predict(less))[train]
-        if mean_square(change) < SAME * best.seen:
+        simple, less = (make(model, name, other) for make in (as_special, idle_but))
+        change = problem.predict(simple) - problem.predict(less)
+        if mean_square(change[problem.train]) < SAME * best.seen:
             found.append(other)
     return found
 
