@@ -83,6 +83,29 @@ def test_what_a_process_that_dies_leaves_undone_is_done_here(own):
     wait_until(lambda: own.room == 4)
 
 
+def growing(job):
+    time.sleep(0.2)
+    if job == LAST:
+        kept.append(bytearray(LEAK))  # bytes that are zero take memory only once they are written
+        kept[-1][::4096] = b"1" * len(kept[-1][::4096])
+        time.sleep(1.5)
+    return job
+
+
+LAST, LEAK = 15, 600_000_000
+"""The job that makes its process grow, and by how much [bytes]: from 300 MB on another takes its place."""
+kept: list[bytearray] = []
+
+
+def test_one_that_grew_is_not_counted_beside_the_one_that_takes_its_place(own):
+    before = own.ready
+    for job in (*range(LAST + 1), *range(9)):
+        own.submit(growing, job).result()
+    own.submit(os.getpid).result()
+    wait_until(lambda: own.ready != before)
+    assert own.room == 4
+
+
 def test_those_who_are_ended_by_another_thread_leave_nothing_undone(own):
     threading.Timer(0.2, own.shutdown).start()
     assert [job for job, _ in Work(own).map(slow, range(12), 0.1)] == list(range(12))

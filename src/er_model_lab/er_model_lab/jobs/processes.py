@@ -42,7 +42,7 @@ class Processes(Executor):
     def __init__(self) -> None:
         self._pool: Any = None
         self._folder: tempfile.TemporaryDirectory[str] | None = None
-        self._asked = 0.0
+        self._asked, self._number = 0.0, 0
         self._lock = threading.Lock()
 
     @property
@@ -61,8 +61,11 @@ class Processes(Executor):
 
     @property
     def room(self) -> int:
-        """Jobs that may wait there: for each process that is ready one, and another so that it need not wait."""
-        return 2 * len(self.ready)
+        """Jobs that may wait there: for each process that is ready one, and another so that it need not wait.
+
+        One that grew ends, and another takes its place: both have begun.
+        """
+        return 2 * min(len(self.ready), self._number)
 
     def start(self, function: Callable[..., Any], *args: Any) -> None:
         """Begin to start them where they are not there yet; each calls the function first.
@@ -75,6 +78,7 @@ class Processes(Executor):
         with self._lock, suppress(*UNSENT):
             gone, self._asked = now - self._asked > IDLE, now
             if self._pool is None:
+                self._number = number
                 self._pool = self._made(number, pickle.dumps((function, args)))
             elif not gone:
                 return
