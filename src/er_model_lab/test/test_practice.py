@@ -4,10 +4,19 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis import candidates
-from er_model_lab.diagnosis.candidates import baseline, refit_all
+from er_model_lab.diagnosis import candidates, search
+from er_model_lab.diagnosis.candidates import (
+    baseline,
+    effect_size,
+    finished,
+    refit,
+    refit_all,
+    roughly_without,
+    without,
+)
+from er_model_lab.fitting.fit import fit, settled
 from er_model_lab.problem import subset
-from er_model_lab.problem.forward import DamperForward
+from er_model_lab.problem.forward import ROUGH, DamperForward
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.problem.problem import Problem
 from er_models.files import load_model
@@ -80,20 +89,62 @@ def test_few_or_single_runs_are_fitted_as_they_are(prepared, monkeypatch):
     assert alone.practice is None
 
 
-@pytest.mark.slow
-def test_the_best_effects_come_out_as_of_fits_to_all_runs_for_less_work(
-    prepared, many, monkeypatch
-):
-    work = []
+@pytest.fixture
+def work(monkeypatch):
+    """Steps of the integrator of all predictions."""
+    found = []
     through = DamperForward.predict_many
 
     def counted(self, problem: Problem, model, vectors):
         steps = substeps(problem.motion.dt, self.longest)
-        work.append(vectors.shape[0] * problem.motion.n * steps)
+        found.append(vectors.shape[0] * problem.motion.n * steps)
         return through(self, problem, model, vectors)
 
     monkeypatch.setattr(DamperForward, "predict_many", counted)
+    return found
 
+
+def test_a_fit_in_longer_steps_settles_where_the_usual_ones_see_the_least_for_less(prepared, work):
+    model = load_model(GUO).with_effect("coulomb_friction", {"F_c": 0.3, "v_0": 0.01})
+    near = prepared.near(model, prepared.predict(model), ROUGH)
+    rough = fit(model, near, max_iter=2)
+    work.clear()
+    found, less = settled(rough, prepared), sum(work)
+    work.clear()
+    whole, all_work = fit(rough.model, prepared), sum(work)
+    train = prepared.train
+    seen = np.mean((prepared.force - prepared.predict(rough.model))[train] ** 2)
+    assert seen > 1.005 * whole.mse(train)  # there is something to settle
+    assert found.mse(train) - whole.mse(train) < 0.05 * (seen - whole.mse(train))
+    left = prepared.force - prepared.predict(found.model)
+    np.testing.assert_allclose(found.residual, left, atol=1e-9)
+    assert less < 0.5 * all_work
+
+
+def test_a_rough_look_says_what_is_plainly_needed_and_nothing_else_is_left_out_in_full(
+    many, monkeypatch
+):
+    base = baseline(load_model(GUO), many)
+    catalogue = base.fit.model.catalogue
+    one = refit(base, catalogue["coulomb_friction"], many)
+    assert one.ranked
+    both = finished(refit(finished(one, many), catalogue["preload"], many), many)
+    rough, whole = (f("coulomb_friction", many, both) for f in (roughly_without, without))
+    assert (rough.ranked, whole.ranked) == (True, False)
+    assert effect_size(rough, both) == pytest.approx(effect_size(whole, both), rel=0.02)
+    asked = []
+
+    def heard(name, *rest):
+        asked.append(name)
+        return without(name, *rest)
+
+    monkeypatch.setattr(search, "without", heard)
+    kept = search.prune(both, many, 0.25 * effect_size(whole, both))
+    assert (kept.effects, asked) == (("coulomb_friction",), ["preload"])
+
+
+@pytest.mark.slow
+def test_the_best_effects_come_out_as_of_fits_to_all_runs_for_less_work(prepared, many, work):
     def ranked(problem):
         work.clear()
         base = baseline(load_model(GUO), problem)

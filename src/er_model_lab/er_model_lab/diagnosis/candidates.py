@@ -36,6 +36,7 @@ from er_model_lab.fitting.fit import (
     mean_square,
     part_of,
     practised,
+    settled,
 )
 from er_model_lab.problem.forward import ROUGH
 from er_model_lab.problem.problem import Practice, Problem
@@ -211,8 +212,10 @@ def refit(
         near = about(part.fit, few.problem.begun(part.fit.model), ROUGH)
         begun, seen = _fitted_with(part, effect, near, max_iter, sketch=True)
         hopeless = base.seen * begun.mse(rows) > HOPE * target * part.fit.mse(rows)
-        fitted = _on_all(base, begun, problem, 0 if hopeless else max_iter)
-    return cross_judged(effects, fitted, problem, seen.kept, seen.reach, straight=hopeless)
+        where = about(base.fit, problem, ROUGH)
+        fitted = settled(_on_all(base, begun, where, 0 if hopeless else max_iter), problem)
+    found = cross_judged(effects, fitted, problem, seen.kept, seen.reach, straight=hopeless)
+    return replace(found, ranked=few is not None)
 
 
 def _refitted(name: str, problem: Problem, base: Candidate) -> Candidate:
@@ -274,14 +277,34 @@ def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Cand
     fitted = candidate.fit
     if candidate.ranked or fitted.iterations >= FIRST_ITERATIONS:
         fitted = fit(fitted.model, problem, max_iter=max_iter)
-    fitted = awakened(fitted, problem, A_LOOK, max_iter)
-    for name in candidate.effects:
-        if is_gap(fitted.model.catalogue[name]):
-            fitted = profiled(fitted, name, problem)
+    fitted = _looked_closer(fitted, candidate, problem, max_iter)
     better = fitted.mse(problem.train) < candidate.fit.mse(problem.train)
     if not (better or candidate.ranked):
         return candidate
     return cross_judged(candidate.effects, fitted, problem, candidate.kept, candidate.reach)
+
+
+def _looked_closer(fitted: Fit, candidate: Candidate, problem: Problem, max_iter: int = 30) -> Fit:
+    """A fit of a candidate, or a better one with what sleeps begun anew, and with its gaps looked for more closely."""
+    fitted = awakened(fitted, problem, A_LOOK, max_iter)
+    for name in candidate.effects:
+        if is_gap(fitted.model.catalogue[name]):
+            fitted = profiled(fitted, name, problem)
+    return fitted
+
+
+def chosen_among(candidate: Candidate, problem: Problem) -> Candidate:
+    """A candidate fitted as far as a choice among several needs.
+
+    One that was only ranked is seen in the usual steps of the integrator, and stays one to be fitted on.
+    """
+    if not candidate.ranked:
+        return finished(candidate, problem)
+    ranked = candidate
+    begun = settled(ranked.fit, problem)
+    fitted = _looked_closer(begun, ranked, problem)
+    found = cross_judged(ranked.effects, fitted, problem, ranked.kept, ranked.reach)
+    return replace(found, ranked=fitted is begun)
 
 
 def cross_judged(
@@ -422,8 +445,8 @@ def _beside(candidate: Candidate, known: Array) -> Candidate:
 
 
 def _finished(which: int, problem: Problem, candidates: list[Candidate]) -> Candidate:
-    """One of some candidates fitted to the end."""
-    return finished(candidates[which], problem)
+    """One of some candidates fitted as far as the choice among them needs."""
+    return chosen_among(candidates[which], problem)
 
 
 def made_ready(model: Model) -> None:
@@ -450,8 +473,22 @@ def effect_size(base: Candidate, candidate: Candidate) -> float:
 def without(name: str, problem: Problem, candidate: Candidate) -> Candidate:
     """A fitted model with one of its added effects taken out again and refitted."""
     fitted = fit(practised(candidate.fit.model.without_effect(name), problem), problem)
-    kept = tuple(e for e in candidate.effects if e != name)
-    return cross_judged(kept, fitted, problem)
+    return cross_judged(_less(candidate, name), fitted, problem)
+
+
+def roughly_without(name: str, problem: Problem, candidate: Candidate) -> Candidate:
+    """The same, of many runs fitted in longer steps only: as far as a choice needs."""
+    if problem.practice is None:
+        return without(name, problem, candidate)
+    less = practised(candidate.fit.model.without_effect(name), problem)
+    near = problem.near(less, problem.predict(less), ROUGH)
+    fitted = settled(fit(less, near), problem)
+    return replace(cross_judged(_less(candidate, name), fitted, problem), ranked=True)
+
+
+def _less(candidate: Candidate, name: str) -> tuple[str, ...]:
+    """The added effects of a candidate without one of them."""
+    return tuple(e for e in candidate.effects if e != name)
 
 
 def specialised(best: Candidate, name: str, special: str, problem: Problem) -> Candidate:

@@ -12,6 +12,7 @@ from er_models.model import Array
 from er_model_lab.diagnosis.candidates import (
     Candidate,
     as_special,
+    chosen_among,
     effect_size,
     finished,
     idle_but,
@@ -19,6 +20,7 @@ from er_model_lab.diagnosis.candidates import (
     left_without,
     refit,
     refit_all,
+    roughly_without,
     screen,
     specialised,
     without,
@@ -33,6 +35,8 @@ PAIRS_OF = 6
 """Pairs are tried among this many best singles."""
 WEAKEST = 2
 """Effects that are left out on all of many runs, those that stretches need least."""
+PLAINLY = 2.0
+"""Size, over what counts, from which on an effect is needed by a fit in longer steps alone."""
 LEAVING_OUT = "leaving effects out"
 MOST_EFFECTS = 3
 BEYOND, FAR_BEYOND = 2.5, 3.0
@@ -412,9 +416,14 @@ def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
     )
     best = min(pairs, key=lambda c: c.mse, default=None)
     top = step.taken or step.candidates[0]
-    if best is None or best.mse > target or effect_size(top, best) < step.threshold:
+
+    def enough(pair: Candidate) -> bool:
+        return pair.mse <= target and effect_size(top, pair) >= step.threshold
+
+    if best is None or not enough(best):
         return None
-    return best
+    best = finished(best, problem) if best.ranked else best
+    return best if enough(best) else None
 
 
 def _paired_with(
@@ -441,11 +450,12 @@ def swapped(
         others = [n for n in _near(name, step, best) if n not in best.effects]
         if not others:
             continue
-        place, rest = best.effects.index(name), without(name, problem, best)
+        place, rest = best.effects.index(name), roughly_without(name, problem, best)
         target = max(best.mse, best.seen) + (FAR_BEYOND * step.threshold) ** 2
         trials = problem.each(exchanged, others, rest, place, target, stage="exchanging effects")
         alike = tied(rest, sorted([best, *trials], key=lambda c: c.mse), problem, step.threshold)
-        best = alike[0]
+        best = finished(alike[0], problem) if alike[0].ranked else alike[0]
+        alike[0] = best
         groups.append(
             tuple(c.effects[place] for c in alike if c is best or rivals(best, c, problem))
         )
@@ -493,7 +503,7 @@ def exchanged(
     target: mean square [N2] that it must promise on stretches of many runs to be fitted to the end.
     """
     effect = rest.fit.model.catalogue[name]
-    found = finished(refit(rest, effect, problem, max_iter=20, target=target), problem)
+    found = chosen_among(refit(rest, effect, problem, max_iter=20, target=target), problem)
     return replace(found, effects=(*rest.effects[:place], name, *rest.effects[place:]))
 
 
@@ -508,9 +518,12 @@ def prune(candidate: Candidate, problem: Problem, limit: float) -> Candidate:
         if few:
             left = few.problem.each(left_without, names, current, stage=LEAVING_OUT)
             names = [names[k] for k in np.argsort(left, kind="stable")[:WEAKEST]]
+            looks = problem.each(roughly_without, names, current, stage=LEAVING_OUT)
+            sizes = [effect_size(c, current) for c in looks]
+            names = [n for n, s in zip(names, sizes, strict=True) if s <= PLAINLY * limit]
         trials = problem.each(without, names, current, stage=LEAVING_OUT)
-        easiest = min(trials, key=lambda c: c.mse)
-        if effect_size(easiest, current) > limit:
+        easiest = min(trials, key=lambda c: c.mse, default=None)
+        if easiest is None or effect_size(easiest, current) > limit:
             return current
         current = easiest
     return current

@@ -29,6 +29,8 @@ DAMPINGS = (0.1, 1.0, 10.0)
 """Multiples of the damping that are tried at once."""
 AWAY = 2e-3
 """Share by which the mean square in longer steps may differ from the true one where a fit ends."""
+SETTLING = 3
+"""Most steps of a fit that settles with the derivatives it has."""
 DAMPED = 1e-3
 """Damping where a straight line is believed whatever it is worth: what hardly moves the force goes nowhere."""
 NOTHING = 1e-9
@@ -330,6 +332,32 @@ def _made(
     edge = (theta <= box.low + 1e-9 * box.size) | (theta >= box.high - 1e-9 * np.abs(box.high))
     residual = problem.force - f
     return Fit(box.model_at(theta), box.free, theta, box.scale, residual, columns, edge, rounds)
+
+
+def settled(fitted: Fit, problem: Problem, tol: float = 1e-4) -> Fit:
+    """A fit that was made in longer steps, moved to where the usual ones see the least, with the derivatives it has.
+
+    These are not taken anew: they lead to nearly the same place, and cost more than all else.
+    """
+    box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
+    train, jacobian, theta = problem.train, fitted.jacobian, fitted.theta
+    begun = problem.predict(fitted.model)
+    near, f, cost = problem.near(fitted.model, begun), begun, _cost(begun, problem)
+    j, damping = jacobian[train], DAMPED
+    h = j.T @ j / j.shape[0]
+    for _ in range(SETTLING):
+        problem.work.check()
+        g = j.T @ (problem.force - f)[train] / j.shape[0]
+        trials = _trials(h, g, theta, box, damping)
+        best, found, tried, _ = _best_of(trials, -np.inf, box, near)
+        if not tried < cost * (1.0 - tol):
+            break
+        theta, f, cost = trials[best], found, tried
+        damping *= DAMPINGS[best]
+    found = problem.predict(box.model_at(theta))
+    if not _cost(found, problem) < _cost(begun, problem):
+        theta, found = fitted.theta, begun
+    return _made(box, theta, found, fitted.columns, fitted.iterations, problem)
 
 
 def practised(model: Model, problem: Problem) -> Model:
