@@ -12,6 +12,7 @@ from er_model_lab.diagnosis.candidates import (
     refit,
     refit_all,
     roughly_without,
+    to_the_end,
     without,
 )
 from er_model_lab.fitting.fit import fit, settled
@@ -134,13 +135,15 @@ def test_a_rough_look_says_what_is_plainly_needed_and_nothing_else_is_left_out_i
     assert effect_size(rough, both) == pytest.approx(effect_size(whole, both), rel=0.02)
     asked = []
 
-    def heard(name, *rest):
-        asked.append(name)
-        return without(name, *rest)
+    def heard(which, problem, looks):
+        asked.append(looks[which].effects)
+        return to_the_end(which, problem, looks)
 
-    monkeypatch.setattr(search, "without", heard)
+    monkeypatch.setattr(search, "to_the_end", heard)
     kept = search.prune(both, many, 0.25 * effect_size(whole, both))
-    assert (kept.effects, asked) == (("coulomb_friction",), ["preload"])
+    assert kept.effects == ("coulomb_friction",)
+    assert not kept.ranked
+    assert asked == [("coulomb_friction",)]
 
 
 @pytest.mark.slow

@@ -44,8 +44,8 @@ from er_model_lab.work import Leader
 
 Values = Mapping[str, float]
 """Values of an effect by name [SI]."""
-Look = tuple[str, Sequence[Values]]
-"""An effect to be looked at, and values that it had beside a smaller model."""
+Look = tuple[str, Sequence[Values], int]
+"""An effect to be looked at, values that it had beside a smaller model, and how many starts it gets besides."""
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""
 A_LOOK = 4
@@ -213,7 +213,8 @@ def refit(
         begun, seen = _fitted_with(part, effect, near, max_iter, sketch=True)
         hopeless = base.seen * begun.mse(rows) > HOPE * target * part.fit.mse(rows)
         where = about(base.fit, problem, ROUGH)
-        fitted = settled(_on_all(base, begun, where, 0 if hopeless else max_iter), problem)
+        fitted = _on_all(base, begun, where, 0 if hopeless else max_iter)
+        fitted = fitted if hopeless else settled(fitted, problem)
     found = cross_judged(effects, fitted, problem, seen.kept, seen.reach, straight=hopeless)
     return replace(found, ranked=few is not None)
 
@@ -235,12 +236,13 @@ def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit
 
 def _fitted_with(
     base: Candidate, effect: Effect, problem: Problem, max_iter: int, *, sketch: bool = False,
-    also: Iterable[Values] = (),
+    also: Iterable[Values] = (), many: int = STARTS,
 ) -> tuple[Fit, Screen]:  # fmt: skip
     """A fitted model with one effect more, everything refitted, and what a straight line said of it.
 
     Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried. What
-    changes nothing (a law of the duty where there is none) is not fitted. also: starts beside those that the line says.
+    changes nothing (a law of the duty where there is none) is not fitted. also: starts beside those that the line says,
+    of which a sketch gets so `many`.
     """
     seen = screen(base, effect, problem)
     left = base.fit.mse(problem.train)
@@ -254,7 +256,7 @@ def _fitted_with(
     def grown(values: Values) -> Model:
         return base.fit.model.with_effect(effect.name, values)
 
-    many = STARTS if sketch else 1 if amplitudes(effect) else 2
+    many = many if sketch else 1 if amplitudes(effect) else 2
     first = seen.points[:many]
     others = [p for p in of_each_form(effect, seen.points) if p not in first]
     fits = [begun(grown(values)) for values in (*also, *first, *others)]
@@ -324,18 +326,21 @@ def cross_judged(
 
 
 def refit_all(
-    base: Candidate, problem: Problem, effects: Iterable[Effect] | None = None, before: Iterable[Candidate] = ()
+    base: Candidate, problem: Problem, effects: Iterable[Effect] | None = None, before: Iterable[Candidate] = (),
+    lost: frozenset[str] = frozenset(),
 ) -> list[Candidate]:  # fmt: skip
     """Every missing effect refitted, best held-out error first; the best few are fitted to the end.
 
-    before: what was tried beside the model before it grew; of many runs, effects are begun from these values, too.
+    before: what was tried beside the model before it grew; of many runs, effects are begun from these values, too, and
+    those that were lost there, which gained nothing, from one start more only.
     """
     able = missing(base.fit.model, problem) if effects is None else effects
     tried = [e.name for e in sorted(able, key=_quick)]
     few = problem.practice
     if few:
         known = {c.name: [c.fit.model.effects[c.name]] for c in before}
-        return _refit_many(base, problem, few, [(name, known.get(name, [])) for name in tried])
+        looks = [(name, known.get(name, []), 1 if name in lost else STARTS) for name in tried]
+        return _refit_many(base, problem, few, looks)
     found = predicted(
         problem.each(_refitted, tried, base, stage=TRYING, best=partial(leaders, base))
     )
@@ -404,9 +409,10 @@ def _ended(base: Candidate, found: list[Candidate], problem: Problem) -> list[Ca
 
 def _begun(job: Look, problem: Problem, base: Candidate) -> Begun:
     """An effect, with values that it had before, fitted to stretches, for a look; problem and base: of them."""
-    name, also = job
+    name, also, many = job
     effect = base.fit.model.catalogue[name]
-    return Begun(name, *_fitted_with(base, effect, problem, A_LOOK, sketch=True, also=also))
+    seen = _fitted_with(base, effect, problem, A_LOOK, sketch=True, also=also, many=many)
+    return Begun(name, *seen)
 
 
 def _gone_on(job: tuple[Begun, bool], problem: Problem) -> Begun:
@@ -442,6 +448,11 @@ def _beside(candidate: Candidate, known: Array) -> Candidate:
     if sum(part.shape[1] for part in columns) == candidate.fit.theta.size:
         return candidate
     return replace(candidate, fit=replace(candidate.fit, columns=(known, *columns)))
+
+
+def to_the_end(which: int, problem: Problem, candidates: list[Candidate]) -> Candidate:
+    """One of some candidates, `finished`."""
+    return finished(candidates[which], problem)
 
 
 def _finished(which: int, problem: Problem, candidates: list[Candidate]) -> Candidate:

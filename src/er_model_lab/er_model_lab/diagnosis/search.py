@@ -23,7 +23,7 @@ from er_model_lab.diagnosis.candidates import (
     roughly_without,
     screen,
     specialised,
-    without,
+    to_the_end,
 )
 from er_model_lab.diagnosis.determined import far, loose, unseen
 from er_model_lab.diagnosis.null import Null, simulate_null
@@ -283,7 +283,9 @@ def one_round(
     base: Candidate, problem: Problem, seed: int, rule: Rule = RULE, last: Round | None = None
 ) -> Round:
     """Refit every missing effect, calibrate, and choose the best or nothing; last: the round before."""
-    candidates = refit_all(base, problem, before=last.candidates if last else ())
+    before = last.candidates if last else []
+    lost = frozenset(c.name for c in before if last and effect_size(last.base, c) <= 0.0)
+    candidates = refit_all(base, problem, before=before, lost=lost)
     null = simulate_null(base, candidates, problem, seed)
     return decided(base, candidates, null, problem, rule)
 
@@ -518,10 +520,10 @@ def prune(candidate: Candidate, problem: Problem, limit: float) -> Candidate:
         if few:
             left = few.problem.each(left_without, names, current, stage=LEAVING_OUT)
             names = [names[k] for k in np.argsort(left, kind="stable")[:WEAKEST]]
-            looks = problem.each(roughly_without, names, current, stage=LEAVING_OUT)
-            sizes = [effect_size(c, current) for c in looks]
-            names = [n for n, s in zip(names, sizes, strict=True) if s <= PLAINLY * limit]
-        trials = problem.each(without, names, current, stage=LEAVING_OUT)
+        trials = problem.each(roughly_without, names, current, stage=LEAVING_OUT)
+        if few:
+            near = [c for c in trials if effect_size(c, current) <= PLAINLY * limit]
+            trials = problem.each(to_the_end, range(len(near)), near, stage=LEAVING_OUT)
         easiest = min(trials, key=lambda c: c.mse, default=None)
         if easiest is None or effect_size(easiest, current) > limit:
             return current
