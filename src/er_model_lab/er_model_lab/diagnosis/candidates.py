@@ -339,7 +339,9 @@ def refit_all(
     few = problem.practice
     if few:
         known = {c.name: [c.fit.model.effects[c.name]] for c in before}
-        looks = [(name, known.get(name, []), 1 if name in lost else STARTS) for name in tried]
+        looks: list[Look] = [
+            (name, known.get(name, []), 1 if name in lost else STARTS) for name in tried
+        ]
         return _refit_many(base, problem, few, looks)
     found = predicted(
         problem.each(_refitted, tried, base, stage=TRYING, best=partial(leaders, base))
@@ -401,7 +403,7 @@ def _ended(base: Candidate, found: list[Candidate], problem: Problem) -> list[Ca
         for c, gain in zip(found[:FINALISTS], gains, strict=False)
         if may_win(gain, gains[0]) or is_gap(c.fit.model.catalogue[c.name])
     ]
-    ended = problem.each(_finished, range(len(ahead)), ahead, stage=FINISHING)
+    ended = problem.each(for_a_choice, range(len(ahead)), ahead, stage=FINISHING)
     return sorted(
         [*ended, *(c for c in found if not any(c is a for a in ahead))], key=lambda c: c.mse
     )
@@ -455,8 +457,8 @@ def to_the_end(which: int, problem: Problem, candidates: list[Candidate]) -> Can
     return finished(candidates[which], problem)
 
 
-def _finished(which: int, problem: Problem, candidates: list[Candidate]) -> Candidate:
-    """One of some candidates fitted as far as the choice among them needs."""
+def for_a_choice(which: int, problem: Problem, candidates: list[Candidate]) -> Candidate:
+    """One of some candidates, fitted as far as `chosen_among` them."""
     return chosen_among(candidates[which], problem)
 
 
