@@ -130,14 +130,35 @@ def test_an_effect_of_a_pair_has_what_it_adds_to_the_other_one(search):
     _, _, base, alone, both = search
     entries, cards, _ = result_of(search, both, [round_of(base, alone, None, FIRST)])
     for name, other in ((NAMES[0], alone[1]), (NAMES[1], alone[0])):
-        assert entries[name]["evidence"] == effect_size(other, both) > FIRST
+        assert entries[name]["evidence"] == pytest.approx(effect_size(other, both), rel=1e-3)
+        assert entries[name]["evidence"] > FIRST
         assert entries[name]["p_value"] < 1e-3
         assert entries[name]["status"] == "present"
         assert entries[name]["kept_fraction"] < 1.0
         assert cards[name].reason.startswith("taken: lowers")
     entries, _, _ = result_of(search, both, [round_of(base, alone, alone[0], FIRST)])
     assert entries[NAMES[0]]["evidence"] == effect_size(base, alone[0])
-    assert entries[NAMES[1]]["evidence"] == effect_size(alone[0], both)
+    gain = entries[NAMES[1]]["evidence"]
+    assert gain == pytest.approx(effect_size(alone[0], both), rel=1e-3)
+
+
+def test_what_no_round_took_in_the_place_of_a_third_has_what_it_adds_to_all_others(search):
+    """It was told with what it gained alone in the first round, which may be nothing."""
+    model, problem, base, alone, _ = search
+    third = refit(alone[0], model.catalogue["preload"], problem)
+    best = refit(third, model.catalogue["coulomb_friction"], problem)
+    idle = replace(alone[1], mse=base.mse + 1.0)
+    rounds = [
+        round_of(base, [alone[0], idle, alone[2]], alone[0], FIRST),
+        round_of(alone[0], [third], third, LATER),
+    ]
+    entries, cards, result = result_of(search, best, rounds)
+    said = entries["coulomb_friction"]
+    assert said["evidence"] == pytest.approx(effect_size(third, best), rel=1e-3)
+    assert (said["status"], said["threshold"]) == ("present", LATER)
+    assert cards["coulomb_friction"].reason.startswith("taken: lowers")
+    (step,) = (s for s in result["steps"] if s["added"] == "coulomb_friction")
+    assert step["evidence"] == said["evidence"]
 
 
 def test_what_chance_reaches_in_the_first_round_is_told_by_an_effect_that_was_not_taken():

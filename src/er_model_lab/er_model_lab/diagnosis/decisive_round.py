@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from er_model_lab.diagnosis.candidates import Candidate
-from er_model_lab.diagnosis.investigation import Diagnosis
+import numpy as np
+
+from er_model_lab.diagnosis.candidates import Candidate, roughly_without
 from er_model_lab.diagnosis.search import Round, close, taken_in
+from er_model_lab.fitting.fit import summed_up
+from er_model_lab.problem.problem import Problem
+
+if TYPE_CHECKING:
+    from er_model_lab.diagnosis.investigation import Diagnosis
 
 
 def told(found: Diagnosis) -> list[tuple[Candidate, Round]]:
@@ -20,10 +27,7 @@ def told(found: Diagnosis) -> list[tuple[Candidate, Round]]:
 
 def _told(name: str, first: Round, found: Diagnosis) -> tuple[Candidate, Round]:
     """A candidate and the round that speaks for it; first: the one that tried it first."""
-    step = deciding(name, found)
-    if step is None and name in found.best.effects and len(found.best.effects) == 2:
-        return beside(name, first, found.best)
-    step = step or first
+    step = spoken(name, found) or deciding(name, found) or first
     return next(c for c in step.candidates if c.name == name), step
 
 
@@ -44,10 +48,25 @@ def deciding(name: str, found: Diagnosis) -> Round | None:
     return next((s for s in gone if alike & {*s.ties, *close(s)}), None)
 
 
-def beside(name: str, first: Round, best: Candidate) -> tuple[Candidate, Round]:
-    """An effect of a pair that no round took: what it gains beside the other one, which alone was not enough."""
-    (other,) = (n for n in best.effects if n != name)
-    singles = {c.name: c for c in first.candidates}
-    own, alone = singles[name], singles[other]
-    candidate = replace(best, effects=(other, name), kept=own.kept, reach=own.reach)
-    return candidate, replace(first, base=alone, candidates=[candidate], taken=candidate, ties=[])
+def spoken(name: str, found: Diagnosis) -> Round | None:
+    """The round of `beside` that speaks for an effect, where there is one."""
+    return next((s for s in found.beside if s.taken and s.taken.name == name), None)
+
+
+def beside(found: Diagnosis, problem: Problem) -> tuple[Round, ...]:
+    """Rounds that speak for effects that none took: those of a pair, and what came in the place of another effect.
+
+    Each says what the effect gains beside all others of the model.
+    """
+    names = [name for name in found.effects if deciding(name, found) is None]
+    return tuple(_beside(name, found, problem) for name in names)
+
+
+def _beside(name: str, found: Diagnosis, problem: Problem) -> Round:
+    """The round in which an effect would have come last."""
+    best, tried = found.best, [c for s in found.rounds for c in s.candidates if c.name == name]
+    kept, reach = (tried[0].kept, tried[0].reach) if tried else (1.0, np.inf)
+    base = roughly_without(name, problem, best)
+    base = replace(base, fit=summed_up(base.fit, base.fit.model))
+    taken = replace(best, effects=(*base.effects, name), kept=kept, reach=reach)
+    return replace(found.rounds[-1], base=base, candidates=[taken], taken=taken, ties=[])

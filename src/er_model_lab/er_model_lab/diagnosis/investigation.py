@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from er_models.model import Model
 
+from er_model_lab.diagnosis import decisive_round
 from er_model_lab.diagnosis.candidates import Candidate, baseline, effect_size, refit
 from er_model_lab.diagnosis.clock import clock_ties, second_clocks
 from er_model_lab.diagnosis.coverage import Coverage, coverage
@@ -55,6 +56,7 @@ class Diagnosis:
     """Result of a diagnosis; `rounds` holds every step of the search, fewer where it was interrupted.
 
     further: what was tried beside the best model and not taken, where that was, as the first round of a search.
+    beside: rounds that speak for effects that none of the others took.
     """
 
     verdict: Verdict
@@ -72,6 +74,7 @@ class Diagnosis:
     evidence: Evidence
     interrupted: bool = False
     further: Round | None = None
+    beside: tuple[Round, ...] = ()
 
     @property
     def model(self) -> Model:
@@ -201,10 +204,11 @@ def judge(
     why = reasons(verdict, seen, base, best, rounds[0], floor, rule)
     if verdict in NOTHING_NAMED:
         best, ties = base, ()
-    return Diagnosis(
+    found = Diagnosis(
         verdict, best.effects, ties, base, best, tuple(rounds), floor, rounds[0].null, to_explain,
         explained if best is not base else 0.0, cover, why, seen,
     )  # fmt: skip
+    return replace(found, beside=decisive_round.beside(found, problem))
 
 
 def _floor(problem: Problem, leader: Candidate, null: Null, seed: int) -> Floor:

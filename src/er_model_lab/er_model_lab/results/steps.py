@@ -10,6 +10,7 @@ import numpy as np
 from er_models.model import Array
 
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
+from er_model_lab.diagnosis.decisive_round import spoken
 from er_model_lab.diagnosis.search import Round
 from er_model_lab.fitting.fit import Fit
 from er_model_lab.fitting.velocity_channel import as_searched
@@ -72,7 +73,9 @@ def steps(study: Study, on: Problem | None = None) -> list[dict[str, Any]]:
         """Name the effects of a candidate that no entry names yet: no round took them as they are now."""
         left = [e for e in candidate.effects if e not in named]
         if left:
-            out.append(entry(" + ".join(left), candidate))
+            step = spoken(left[0], found) if len(left) == 1 else None
+            told = _evidence(step, step.taken, problem) if step and step.taken else {}
+            out.append(entry(" + ".join(left), candidate) | told)
             named.update(left)
 
     for step in found.rounds:
