@@ -55,7 +55,7 @@ def test_a_form_is_fitted_to_its_end_before_its_special_case_is_named(monkeypatc
     short = replace(mount, effects=whole.effects)
     null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
     monkeypatch.setattr(
-        search, "finished", lambda c, _: whole if c.effects == whole.effects else c
+        search, "chosen_among", lambda c, _: whole if c.effects == whole.effects else c
     )
     step = decided(base, [mount, short], null, problem, RULE)
     assert step.taken is whole

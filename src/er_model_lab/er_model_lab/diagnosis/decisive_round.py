@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
@@ -12,8 +12,29 @@ from er_model_lab.diagnosis.search import Round, close, taken_in
 from er_model_lab.fitting.fit import summed_up
 from er_model_lab.problem.problem import Problem
 
-if TYPE_CHECKING:
-    from er_model_lab.diagnosis.investigation import Diagnosis
+
+class Diagnosis(Protocol):
+    """What is asked here of `investigation.Diagnosis`."""
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of what was taken."""
+
+    @property
+    def alternatives(self) -> tuple[tuple[str, ...], ...]:
+        """Groups that the data cannot tell apart."""
+
+    @property
+    def best(self) -> Candidate:
+        """The best model."""
+
+    @property
+    def rounds(self) -> tuple[Round, ...]:
+        """Steps of the search."""
+
+    @property
+    def beside(self) -> tuple[Round, ...]:
+        """Rounds that speak for effects that none of the others took."""
 
 
 def told(found: Diagnosis) -> list[tuple[Candidate, Round]]:

@@ -15,7 +15,6 @@ from er_model_lab.diagnosis.candidates import (
     chosen_among,
     effect_size,
     finished,
-    for_a_choice,
     idle_but,
     left_as,
     left_without,
@@ -315,7 +314,7 @@ def decided(
         if able:
             null, limit = bare, of_noise
     refined = [c for c in able if not far_better(base, c, able, limit)]
-    ended = {c.name: c for c in problem.each(for_a_choice, range(len(refined)), refined)}
+    ended = {c.name: chosen_among(c, problem) for c in refined}
     candidates, able = (
         sorted((ended.get(c.name, c) for c in some), key=lambda c: c.mse)
         for some in (candidates, able)
