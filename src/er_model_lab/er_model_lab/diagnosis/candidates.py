@@ -302,10 +302,9 @@ def chosen_among(candidate: Candidate, problem: Problem) -> Candidate:
     """
     if not candidate.ranked:
         return finished(candidate, problem)
-    ranked = candidate
-    begun = settled(ranked.fit, problem)
-    fitted = _looked_closer(begun, ranked, problem)
-    found = cross_judged(ranked.effects, fitted, problem, ranked.kept, ranked.reach)
+    begun = settled(candidate.fit, problem)
+    fitted = _looked_closer(begun, candidate, problem)
+    found = cross_judged(candidate.effects, fitted, problem, candidate.kept, candidate.reach)
     return replace(found, ranked=fitted is begun)
 
 

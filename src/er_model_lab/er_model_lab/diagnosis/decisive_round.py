@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Protocol
 
-import numpy as np
-
 from er_model_lab.diagnosis.candidates import Candidate, roughly_without
 from er_model_lab.diagnosis.search import Round, close, taken_in
 from er_model_lab.fitting.fit import summed_up
@@ -85,9 +83,11 @@ def beside(found: Diagnosis, problem: Problem) -> tuple[Round, ...]:
 
 def _beside(name: str, found: Diagnosis, problem: Problem) -> Round:
     """The round in which an effect would have come last."""
-    best, tried = found.best, [c for s in found.rounds for c in s.candidates if c.name == name]
-    kept, reach = (tried[0].kept, tried[0].reach) if tried else (1.0, np.inf)
-    base = roughly_without(name, problem, best)
+    best, tried = found.best, [c for s in found.rounds for c in s.candidates]
+    own = next((c for c in tried if c.name == name), best)
+    rest = {*best.effects} - {name}
+    fitted = (c for c in tried if {*c.effects} == rest and not c.ranked)
+    base = next(fitted, None) or roughly_without(name, problem, best)
     base = replace(base, fit=summed_up(base.fit, base.fit.model))
-    taken = replace(best, effects=(*base.effects, name), kept=kept, reach=reach)
+    taken = replace(best, effects=(*base.effects, name), kept=own.kept, reach=own.reach)
     return replace(found.rounds[-1], base=base, candidates=[taken], taken=taken, ties=[])

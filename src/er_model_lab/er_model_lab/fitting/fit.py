@@ -354,7 +354,7 @@ def settled(fitted: Fit, problem: Problem, tol: float = 1e-4) -> Fit:
             break
         theta, f, cost = trials[best], found, tried
         damping *= DAMPINGS[best]
-    found = problem.predict(box.model_at(theta))
+    found = begun if theta is fitted.theta else problem.predict(box.model_at(theta))
     if not _cost(found, problem) < _cost(begun, problem):
         theta, found = fitted.theta, begun
     return _made(box, theta, found, fitted.columns, fitted.iterations, problem)
