@@ -3,36 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Protocol
 
 from er_model_lab.diagnosis.candidates import Candidate, roughly_without
+from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.diagnosis.search import Round, close, taken_in
 from er_model_lab.fitting.fit import summed_up
 from er_model_lab.problem.problem import Problem
-
-
-class Diagnosis(Protocol):
-    """What is asked here of `investigation.Diagnosis`."""
-
-    @property
-    def effects(self) -> tuple[str, ...]:
-        """Names of what was taken."""
-
-    @property
-    def alternatives(self) -> tuple[tuple[str, ...], ...]:
-        """Groups that the data cannot tell apart."""
-
-    @property
-    def best(self) -> Candidate:
-        """The best model."""
-
-    @property
-    def rounds(self) -> tuple[Round, ...]:
-        """Steps of the search."""
-
-    @property
-    def beside(self) -> tuple[Round, ...]:
-        """Rounds that speak for effects that none of the others took."""
 
 
 def told(found: Diagnosis) -> list[tuple[Candidate, Round]]:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from er_models.model import Model
 
 from er_model_lab.diagnosis import decisive_round
 from er_model_lab.diagnosis.candidates import Candidate, baseline, effect_size, refit
 from er_model_lab.diagnosis.clock import clock_ties, second_clocks
-from er_model_lab.diagnosis.coverage import Coverage, coverage
+from er_model_lab.diagnosis.coverage import coverage
 from er_model_lab.diagnosis.determined import loose
 from er_model_lab.diagnosis.evidence import VISIBLE, evidence, reasons, shares
 from er_model_lab.diagnosis.floor_estimates import AGREE, credible
+from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
@@ -34,7 +35,7 @@ from er_model_lab.diagnosis.search import (
     threshold,
     try_pairs,
 )
-from er_model_lab.diagnosis.verdict import ENOUGH, NOTHING_NAMED, Evidence, Verdict, decide
+from er_model_lab.diagnosis.verdict import ENOUGH, NOTHING_NAMED, decide
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import explainable
 from er_model_lab.work import STOPPED
@@ -49,37 +50,6 @@ MISSED = 1.5
 """Error without the effects that pruning took out, over that with them, from which on others are looked for."""
 PART_OF = 0.5
 """Share of what an effect explains alone below which, beside one that explains as much, it may be but another form."""
-
-
-@dataclass(frozen=True)
-class Diagnosis:
-    """Result of a diagnosis; `rounds` holds every step of the search, fewer where it was interrupted.
-
-    further: what was tried beside the best model and not taken, where that was, as the first round of a search.
-    beside: rounds that speak for effects that none of the others took.
-    """
-
-    verdict: Verdict
-    effects: tuple[str, ...]
-    alternatives: tuple[tuple[str, ...], ...]
-    base: Candidate
-    best: Candidate
-    rounds: tuple[Round, ...]
-    floor: Floor
-    null: Null
-    explainable: float
-    explained: float
-    coverage: Coverage
-    reasons: tuple[str, ...]
-    evidence: Evidence
-    interrupted: bool = False
-    further: Round | None = None
-    beside: tuple[Round, ...] = ()
-
-    @property
-    def model(self) -> Model:
-        """The model with the named effects, refitted."""
-        return self.best.fit.model
 
 
 def search_effects(

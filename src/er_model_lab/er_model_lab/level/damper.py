@@ -19,7 +19,8 @@ from er_records.duty_known import driven
 from er_model_lab.diagnosis.candidates import Candidate, baseline
 from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.floor_estimates import credible, floors
-from er_model_lab.diagnosis.investigation import Diagnosis, one_effect, search_effects
+from er_model_lab.diagnosis.found import Diagnosis
+from er_model_lab.diagnosis.investigation import one_effect, search_effects
 from er_model_lab.diagnosis.noise_floor import noise_floor
 from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule

@@ -10,7 +10,7 @@ import numpy as np
 from er_records.dataset import Dataset
 from numpy.typing import NDArray
 
-from er_model_lab.diagnosis.investigation import Diagnosis
+from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.fitting.fit import cross_validated
 from er_model_lab.problem.problem import Problem
 from er_model_lab.results.result import DiagnosisResult, with_notes

@@ -11,7 +11,7 @@ from er_models.model import Model
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.decisive_round import told
 from er_model_lab.diagnosis.evidence import shares
-from er_model_lab.diagnosis.investigation import Diagnosis
+from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.diagnosis.search import Round, close, taken_in
 from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.level.study import Study

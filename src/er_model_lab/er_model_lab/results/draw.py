@@ -10,7 +10,7 @@ from er_models.model import Array
 
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.decisive_round import told
-from er_model_lab.diagnosis.investigation import Diagnosis
+from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.diagnosis.search import Round
 from er_model_lab.level.study import Study
 from er_model_lab.problem.problem import Problem

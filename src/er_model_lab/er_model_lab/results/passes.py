@@ -8,7 +8,7 @@ from typing import Any
 
 from er_model_lab.diagnosis.evidence import leaves_more_than_noise, shares
 from er_model_lab.diagnosis.floor_estimates import AGREE
-from er_model_lab.diagnosis.investigation import Diagnosis
+from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import MOST_EFFECTS
 from er_model_lab.diagnosis.verdict import SETTLED, Earlier, Evidence, decide

@@ -16,7 +16,8 @@ from er_records.dataset import Dataset
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.floor_estimates import AGREE
-from er_model_lab.diagnosis.investigation import BEYOND_DOUBT, Diagnosis
+from er_model_lab.diagnosis.found import Diagnosis
+from er_model_lab.diagnosis.investigation import BEYOND_DOUBT
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import prune
 from er_model_lab.fitting.velocity_channel import as_searched, restored
