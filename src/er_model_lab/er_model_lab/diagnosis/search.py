@@ -295,8 +295,8 @@ def decided(
 ) -> Round:
     """The round with the best of its candidates taken, or nothing.
 
-    One that was only ranked is fitted to its end before it is taken, and a generalised form before it is left out: its
-    special case ends sooner.
+    One that was only ranked is fitted to its end before it is taken. A generalised form is fitted as far as the choice
+    needs before it is left out: its special case ends sooner.
     """
     left = np.sqrt(min(candidates[0].mse, base.mse))
     limit = threshold(null, left, rule)
