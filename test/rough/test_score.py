@@ -90,11 +90,11 @@ def test_targets_are_counted_and_met_or_missed():
     good, bad = row([A], ["a"], fresh=fresh(1.04)), row([A], ["b"], fresh=fresh(1.3))
     nothing = row([], verdict="adequate", fresh=fresh(1.0))
     found = lines([*[good] * 18, bad, nothing])
-    assert [f[1] for f in found] == ["19/20", "1/20", "0/1", "20", "20"]
-    assert [f[-1] for f in found] == ["yes |", "no |", "yes |", "yes |", "yes |"]
+    assert [f[1] for f in found] == ["19/20", "1/20", "0/1", "20", "20", "20"]
+    assert [f[-1] for f in found] == ["yes |", "no |", "yes |", "yes |", "yes |", "yes |"]
     worse = lines([*[good] * 5, *[bad] * 4, row([], ["a"], fresh=fresh(1.3))])
-    assert [f[1] for f in worse] == ["5/10", "5/10", "1/1", "10", "10"]
-    assert [f[-1] for f in worse] == ["no |"] * 5
+    assert [f[1] for f in worse] == ["5/10", "5/10", "1/1", "10", "10", "10"]
+    assert [f[-1] for f in worse] == ["no |"] * 6
     learnt = lines([row([A], ["a"], fresh=fresh(1.2), measured_terms=True)])
     assert "with measured terms" in learnt[-1][0]
     assert learnt[-1][-1] == "no |"  # 1.15

@@ -80,7 +80,7 @@ HOOKS: dict[str, str] = {
     "force": "adds to the damper force",
     "limit": "maps the damper force",
     "relax": "gives (rate, drive) of the own state: w' = drive - rate * w",
-    "bound": "gives the largest magnitude of the own state",
+    "bound": "gives the largest magnitude of the own state; of what has a play, that comes first",
     "give": "gives the rate at which the own state springs back from beyond its bound, which is rigid without it",
     "sense": "maps the damper force to the measured one",
     "input_delay": "delays the duty",

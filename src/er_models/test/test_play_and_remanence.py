@@ -37,6 +37,35 @@ def test_a_bristle_behind_a_play_slides_and_comes_back() -> None:
     assert error.std() > 5e-2 * span(force)
 
 
+def test_an_elastic_share_bends_before_it_slides() -> None:
+    """Against small explicit steps; and nearly all of it against a spring with a slider (Jenkins), behind a play."""
+    F_h, z_y, b, h = 4.0, 6e-4, 3e-4, 5e-6
+    sine = Sine(SMALL).derivative
+    fine = np.arange(round(2.0 / h) + 1) * h
+    x, v = sine(fine, 0), sine(fine, 1)
+    every = slice(None, None, round(DT / h))
+    t = np.arange(fine[every].size) * DT
+    inputs = motion(DT, sine(t, 0), sine(t, 1), 0.0 * t, sine(t, 2))
+
+    def missed(e: float, wanted: np.ndarray) -> float:
+        brake = {"F_h": F_h, "F_u": 0.0, "z_y": z_y, "b": b, "e": e}
+        error = predict(Model("brake", {"friction_with_play": brake}, SMALL), inputs) - wanted
+        return float(error[200:].std() / span(wanted))  # both forget where they began
+
+    w, shared = 0.0, np.empty(fine.size)
+    for i, speed in enumerate(v):
+        beyond = max(w - b - 0.6 * z_y, 0.0) + min(w + b + 0.6 * z_y, 0.0)
+        shared[i] = F_h * (max(w - b, 0.0) + min(w + b, 0.0)) / z_y
+        w += h * (speed - abs(speed) * beyond / (0.4 * z_y))
+    assert missed(0.6, shared[every]) < 2e-3
+    w, slider = 0.0, np.empty(fine.size)
+    for i in range(fine.size):
+        w = min(max(w + (x[i] - x[max(i - 1, 0)]), -b - z_y), b + z_y)
+        slider[i] = F_h * (max(w - b, 0.0) + min(w + b, 0.0)) / z_y
+    assert missed(0.98, slider[every]) < 6e-3
+    assert missed(0.0, slider[every]) > 5e-2
+
+
 def test_the_field_is_dragged_along_by_the_duty_and_stays() -> None:
     """Against the play operator, on steps, a ramp and a slow sine of the duty, with and without a response time."""
     r, s, n = 0.04, 0.7, 900

@@ -20,6 +20,7 @@ from er_records.mapping.guess import nice
 from er_records.mapping.mapping import mapped
 from er_records.mapping.words import WORDS as KNOWN
 from er_records.mapping.words import fits
+from er_records.readers.units import unit_in_name
 from nptdms import ChannelObject, TdmsWriter
 from scipy.io import savemat
 
@@ -221,6 +222,31 @@ def test_names_fit_in_both_languages(channel: str, name: str, unit: str, least: 
     assert fits(channel, name, "Pa") == 0.0
 
 
+@pytest.mark.parametrize(
+    ("si", "name", "unit"),
+    [("m", "disp_cm", "cm"), ("m", "zs_mm", "mm"), ("m", "weg.mm", "mm"), ("m/s", "vel_mm_s", "mm/s"),
+     ("m/s", "v_mps", "m/s"), ("m/s2", "acc_ms2", "m/s2"), ("m/s2", "acc m/s2", "m/s2"), ("N", "force_N", "N"),
+     ("N", "force_n", ""), ("1", "I_A", "A"), ("1", "u_mV", "mV"), ("K", "temp_C", "degC"), ("K", "oil_degF", "degF"),
+     ("m", "pos_in", ""), ("1", "duty_1", ""), ("m", "mm", ""), ("m", "x_rel", ""), ("N", "force_kN", "kN")],
+)  # fmt: skip
+def test_a_name_ends_with_its_unit(si: str, name: str, unit: str) -> None:
+    assert unit_in_name(si, name) == unit
+
+
+def test_units_in_the_names_of_matlab_count(tmp_path: Path) -> None:
+    data = truth(np.random.default_rng(6))
+    y = {"time": data["t"], "disp_cm": 1e2 * data["deflection"], "volt": 2.5 * data["duty"]}
+    savemat(tmp_path / "a.mat", y | {"force_kN": 1e-3 * data["damper_force"]})
+    found = mapped(tmp_path)
+    assert found.names["deflection"] == {"from": "disp_cm", "unit": "cm"}
+    assert found.names["damper_force"] == {"from": "force_kN", "unit": "kN"}
+    assert not found.unsure
+    found.save()
+    for record in load([tmp_path]):
+        for channel in ("deflection", "damper_force"):
+            np.testing.assert_allclose(record.channels[channel], data[channel], rtol=1e-9)
+
+
 def test_a_full_scale_is_no_smaller_than_the_largest_value() -> None:
     assert [nice(v) for v in (1.6, 0.99951, 12.34, 437.0)] == [1.6, 1.0, 12.4, 437.0]
 
@@ -257,6 +283,8 @@ def test_a_unit_that_one_format_states_counts_for_the_one_that_cannot(tmp_path: 
         ("Kolbenweg", "mm", "deflection"),
         ("Position_VL", "mm", "deflection"),
         ("Radbeschleunigung", "m/s2", "unsprung_acceleration"),
+        ("as", "m/s2", "sprung_acceleration"),
+        ("aus", "", "unsprung_acceleration"),
     ],
 )
 def test_channels_of_a_car_are_told_from_those_of_its_damper(

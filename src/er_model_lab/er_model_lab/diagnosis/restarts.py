@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from er_models.effect import Effect, arguments
+from er_models.effect import Effect
 from er_models.model import Model
 
-from er_model_lab.diagnosis.starts import amplitudes, is_gap, starts
+from er_model_lab.diagnosis.starts import amplitudes, is_gap, play, starts
 from er_model_lab.fitting.fit import Fit, fit
 from er_model_lab.problem.forward import free_parameters
 from er_model_lab.problem.problem import Problem
@@ -45,16 +45,16 @@ def handed_over(model: Model, effect: Effect, problem: Problem) -> list[Model]:
     gap, a fit does not get from the one to the other: the gap takes the play over. Where the gap is there already, the
     friction begins without one of its own.
     """
-    if "bound" not in effect.hooks:
+    if not play(effect):
         return []
     if not is_gap(effect):
         return _without_play(model, effect, problem)
     gap, first, found = effect.parameters[0].name, starts(effect, problem)[0], list[Model]()
     for name, values in model.effects.items():
-        hook = model.catalogue[name].hooks.get("bound")
-        if hook is None:
+        held = model.catalogue[name]
+        own = play(held)
+        if not own:
             continue
-        (own,), held = arguments(hook), model.catalogue[name]
         grown = model.with_effect(effect.name, {**first, gap: values[own]})
         strong = {held.names[k]: values[held.names[k]] for k in amplitudes(held)}
         for share in LESS:
@@ -67,12 +67,10 @@ def handed_over(model: Model, effect: Effect, problem: Problem) -> list[Model]:
 
 def _without_play(model: Model, effect: Effect, problem: Problem) -> list[Model]:
     """The model with an effect more whose own play is none; empty where the model has no gap."""
-    if not any(
-        is_gap(model.catalogue[n]) and "bound" in model.catalogue[n].hooks for n in model.effects
-    ):
+    each = [model.catalogue[n] for n in model.effects]
+    if not any(is_gap(e) and play(e) for e in each):
         return []
-    (own,) = arguments(effect.hooks["bound"])
-    points = _once([{**p, own: 0.0} for p in starts(effect, problem)])
+    points = _once([{**p, play(effect): 0.0} for p in starts(effect, problem)])
     return [model.with_effect(effect.name, p) for p in points]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from er_models.effect import SMOOTH, Effect
+from er_models.effect import SMOOTH, Effect, arguments
 
 from er_model_lab.problem.problem import Problem
 
@@ -46,6 +46,15 @@ def is_gap(effect: Effect) -> bool:
     """Whether the first parameter is a gap: below it nothing is felt, and each one has a valley of its own."""
     q = effect.parameters[0]
     return effect.stage != "vehicle" and q.unit == "m" and q.neutral == 0.0 and q.step > SMOOTH
+
+
+def play(effect: Effect) -> str:
+    """The parameter that is the play of an effect, the first argument of its `bound`; '' where it has none."""
+    first = arguments(effect.hooks["bound"])[:1] if "bound" in effect.hooks else ()
+    own = [
+        q.name for q in effect.parameters if q.name in first and q.unit == "m" and q.step > SMOOTH
+    ]
+    return next(iter(own), "")
 
 
 def gaps(effect: Effect, problem: Problem) -> list[dict[str, float]]:

@@ -58,6 +58,8 @@ def serve(
     logging.getLogger("nicegui").setLevel(logging.ERROR)
     app.on_startup(lambda: asyncio.create_task(ready()))
     app.on_shutdown(desk.shut)
+    # a bar without a name tells a screen reader nothing, and others nothing that the page does not show
+    app.config.quasar_config["loadingBar"]["skipHijack"] = True
     # nothing is packed: within one machine that takes longer than it saves
     ui.run(
         host=host, port=port, title="Model lab", show=False, reload=False, dark=None, show_welcome_message=False,

@@ -1,15 +1,16 @@
 """Where the states of a record begin, as its measured force says.
 
 A state that relaxes stays between the equilibria that its motion asks for, so that is where it may have begun:
-somewhere on the way from where it would have settled to the farther end of them, or short of the nearer one. Its
-prior is normal about where it would have settled, with that way as its deviation. The force follows a beginning in a
-straight line. Its slope is how the force differs when the record is run again from the farther end, in steps of a
-whole sample, for as long as that shows: a few time constants of the state, or until a bound stops it in both runs.
-The shares of all ways that meet the measured force best are those of least squares. A state that is dragged along
-(`remanence`), or that a contact or the friction behind a joint may catch anywhere (`freeplay`, `friction_with_play`),
-follows no straight line: it is run again from where it was found to begin, and the slope is that of the chord to there,
-until both agree. A gap has more than one valley, so that several beginnings are looked at first. A long rest before the
-motion begins is not run through again for these: nothing moves in it, and its force shows the beginning throughout.
+somewhere on the way from where it would have settled to the farther end of them, or short of the nearer one. Its prior
+is normal about where it would have settled, with that way as its deviation. The force follows a beginning in a straight
+line. Its slope is how the force differs when the record is run again from the farther end, in steps of a whole sample,
+for as long as that shows: a few time constants of the state, or until a bound stops it in both runs. The shares of all
+ways that meet the measured force best are those of least squares. A state that is dragged along (`remanence`), that
+slides once it is bent enough (`bouc_wen_hysteresis`), or that a contact or the friction behind a joint may catch
+anywhere (`freeplay`, `friction_with_play`), follows no straight line: it is run again from where it was found to begin,
+and the slope is that of the chord to there, until both agree. A gap has more than one valley, so that several
+beginnings are looked at first. A long rest before the motion begins is not run through again for these: nothing moves
+in it, and its force shows the beginning throughout.
 
 Source: separable least squares, Golub and Pereyra 1973.
 
@@ -39,7 +40,7 @@ from er_models.kernel.imposed import (
     output_delay,
     predict,
 )
-from er_models.kernel.layout import CAUGHT
+from er_models.kernel.layout import CAUGHT, HEAT, SLIDES, ZERO
 from er_models.kernel.states import AT_ONCE, ROWS, R, W
 
 # --- below this line: compiled with the composed equations ---
@@ -205,7 +206,7 @@ def slopes(
         anywhere = looked_for(at_rest, own, hint)
         if at_rest[own] == CAUGHT and not anywhere:
             drawn[q] = min(max(hint[own], near[q]), 1.0)
-        if (at_rest[own] == 0 or at_rest[own] == CAUGHT) and away != 0.0:
+        if at_rest[own] != ZERO and at_rest[own] != HEAT and away != 0.0:
             first[q] = begins(
                 on, slots, links, at_rest, p, dt, x, v, a, u, theta, clock, warm, s, reach, own, away, still, shown[q],
                 left[q], path,
@@ -250,7 +251,7 @@ def slopes(
 @inner
 def crooked(reach, at_rest, own):
     """Whether the force follows no straight line: the state is dragged along, or a contact or friction catches it."""
-    return reach[FASTEST, own] >= AT_ONCE or at_rest[own] == CAUGHT
+    return reach[FASTEST, own] >= AT_ONCE or at_rest[own] == CAUGHT or at_rest[own] == SLIDES
 
 
 @inner

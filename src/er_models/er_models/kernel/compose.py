@@ -21,7 +21,7 @@ import numpy as np
 from er_models.catalogue import Catalogue
 from er_models.effect import INSTANT, Effect, arguments
 from er_models.kernel.inline import inlined
-from er_models.kernel.layout import CAUGHT, HEAT, ZERO
+from er_models.kernel.layout import CAUGHT, HEAT, SLIDES, ZERO
 from er_models.kernel.mask import FIELD, LAG, TERMS, of_hook, of_run, stands_alone
 from er_models.kernel.order import relaxes_at
 
@@ -284,7 +284,7 @@ def source(catalogue: Catalogue) -> str:
         "from er_models.kernel.hooks import compiled as _compiled",
         "from er_models.kernel.terms import measured, signal",
         f"INSTANT = {INSTANT!r}",
-        f"ZERO, HEAT, CAUGHT = {ZERO}, {HEAT}, {CAUGHT}",
+        f"ZERO, HEAT, CAUGHT, SLIDES = {ZERO}, {HEAT}, {CAUGHT}, {SLIDES}",
     ]
     composed = [_damper(catalogue), _chassis(catalogue), _accelerometers(catalogue)]
     composed += [_delay(catalogue, "input_delay"), _delay(catalogue, "output_delay")]

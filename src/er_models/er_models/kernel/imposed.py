@@ -13,7 +13,7 @@ import numpy as np
 from er_models.kernel.elementary import exp
 from er_models.kernel.fast import entry, inline, inner, once
 from er_models.kernel.inputs import at, cubic, delayed, split
-from er_models.kernel.layout import CAUGHT, HEAT
+from er_models.kernel.layout import CAUGHT, HEAT, SLIDES
 from er_models.kernel.states import (
     AT_ONCE,
     DECAY,
@@ -92,6 +92,7 @@ def reached(slots, at_rest, s, slowest, reach):
     for i in range(slots.shape[0]):
         j = slots[i]
         free = at_rest[j] == CAUGHT or (s[G, j] == 0.0 and s[R, j] == 0.0)
+        free = free or (at_rest[j] == SLIDES and s[R, j] < slowest)
         goal = s[W, j] if free else s[G, j] / max(s[R, j], slowest)
         goal = min(max(goal, -reach[STOP, j]), reach[STOP, j])
         reach[LEAST, j] = min(reach[LEAST, j], s[W, j], goal)
@@ -162,13 +163,13 @@ def predict(
 ):  # fmt: skip
     """Measured force [N] over one record of imposed motion, arrays of length n; how many rows were computed.
 
-    The duty is held from each sample on, later by the dead time: a step that it jumps in is cut in
-    two. own: a state that begins `away` from where it settles, followed for as long as that shows (`left` (n,), from 1
-    to 0), or until it is where it was when `path` was noted: both came to the same bound, and where they began is
-    forgotten. It fades as fast as the slower of both runs: a contact forgets, a gap that is open does not, nor does
-    what both drag along, each at an end of its band. What is `CAUGHT` fades as both runs come together: its rate leaves
-    out the friction. `NOTED`: none, and the reach (5, n_states) and path (n, 2 n_states: states, then rates) of each
-    state are noted; `PLAIN`: none.
+    The duty is held from each sample on, later by the dead time: a step that it jumps in is cut in two. own: a state
+    that begins `away` from where it settles, followed for as long as that shows (`left` (n,), from 1 to 0), or until it
+    is where it was when `path` was noted: both came to the same bound, and where they began is forgotten. It fades as
+    fast as the slower of both runs: a contact forgets, a gap that is open does not, nor does what both drag along, each
+    at an end of its band. What is `CAUGHT` or `SLIDES` fades as both runs come together: its rate leaves out the
+    friction. `NOTED`: none, and the reach (5, n_states) and path (n, 2 n_states: states, then rates) of each state are
+    noted; `PLAIN`: none.
     """
     n, step = x.shape[0], dt / n_sub
     whole, cut = split(input_delay(on, p) / dt)
@@ -208,7 +209,7 @@ def predict(
                     path[m, slots[i] + s.shape[1]] = s[R, slots[i]]
             if own < 0:
                 continue
-            if at_rest[own] == CAUGHT:
+            if at_rest[own] == CAUGHT or at_rest[own] == SLIDES:
                 apart = abs((s[W, own] - path[m, own]) / away)
                 faded = max(faded, -math.log(apart)) if apart > 0.0 else FADED
             else:

@@ -16,18 +16,19 @@ from er_models.kernel.order import (
     feeds_back,
     reads,
     reads_yield_early,
+    slides,
     turns_with_the_yield,
 )
 
-ZERO, HEAT, CAUGHT = 1, 2, 3
+ZERO, HEAT, CAUGHT, SLIDES = 1, 2, 3, 4
 """Marks in `at_rest` of a state that begins at zero, of one that goes on from one record to the next, and of one that
-settles, but may begin wherever a contact or friction catches it."""
+settles, but may begin wherever a contact or friction catches it, behind a play or without one."""
 
 
 class Layout(NamedTuple):
     """on: mask (`kernel.mask`); slots: states in use; links: those of them that feed back.
 
-    at_rest (n_states,): `ZERO`, `HEAT`, `CAUGHT`, or 0 for a state that begins settled.
+    at_rest (n_states,): `ZERO`, `HEAT`, `CAUGHT`, `SLIDES`, or 0 for a state that begins settled.
     """
 
     on: NDArray[np.uint8]
@@ -71,7 +72,7 @@ def layout(
         if effect.has_state:
             slots.add(c.slots[effect.name])
             warms = effect.stage == "heat"
-            settled = CAUGHT * caught(effect)
+            settled = SLIDES if slides(effect) else CAUGHT * caught(effect)
             rest[c.slots[effect.name]] = (
                 (HEAT if warms else ZERO) if effect.initial == "zero" else settled
             )

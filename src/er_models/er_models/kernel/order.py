@@ -16,7 +16,7 @@ model.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
 
 from er_models.effect import Effect, arguments
@@ -88,6 +88,14 @@ def feeds_back(effect: Effect) -> bool:
 def caught(effect: Effect) -> bool:
     """Whether a contact that gives way, or the friction behind a joint, may hold an effect's state anywhere."""
     return "give" in effect.hooks or "f_r" in arguments(effect.hooks["relax"])
+
+
+def slides(effect: Effect) -> bool:
+    """Whether friction may hold an effect's state anywhere and yet has no play: what drives it on makes it slide."""
+    relax: Callable[..., tuple[float, float]] = effect.hooks["relax"]  # type: ignore[assignment]
+    if not caught(effect) or "f_r" in arguments(relax):
+        return False
+    return relax(*[1.0] * len(arguments(relax)))[0] > 0.0
 
 
 def reads_yield_early(effects: Iterable[Effect]) -> bool:

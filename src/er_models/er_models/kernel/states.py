@@ -147,11 +147,31 @@ def pressed(s, j, h, how, bound, give):
         beyond = held(0.0, rate, drive, rate, drive, h * (w - edge) / (w - w0))
     if beyond * (w0 if begun else w) <= 0.0:
         if begun and how == HOLD:
-            w = held(w0, s[R0, j] - give, s[G0, j] - give * edge, s[R, j], s[G, j], h)
+            return left(s, j, h, bound, give, edge)
         return min(max(w, -bound), bound)
     s[R, j] = rate
     s[G, j] += give * edge
     return edge + beyond
+
+
+@inner
+def left(s, j, h, bound, give, edge):
+    """State j at the end of a step in which it comes back from beyond +-bound, which may lead beyond the other side."""
+    off, r, g = s[W0, j] - edge, s[R0, j], s[G, j] - s[R, j] * edge
+    mean = 0.5 * (s[G0, j] - r * edge + g)
+    g = mean if mean * off < 0.0 else g
+    h -= min(math.log1p(-off * r / g) / r, h) if off * r * g < 0.0 else 0.0
+    w = held(edge, s[R, j], s[G, j], s[R, j], s[G, j], h)
+    if abs(w) <= bound:
+        return w
+    if w * edge > 0.0:
+        return edge
+    h *= (w + edge) / (w - edge) if bound > 0.0 else 1.0
+    s[G, j] += s[R, j] * edge
+    s[R, j] += give
+    beyond = held(0.0, s[R, j], s[G, j], s[R, j], s[G, j], h)
+    s[G, j] -= s[R, j] * edge
+    return beyond - edge
 
 
 @once

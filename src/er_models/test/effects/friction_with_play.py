@@ -8,6 +8,8 @@ BRAKE = {"F_h": 2.0, "F_u": 10.0, "z_y": 1e-3, "b": 5e-4}
 WORKED = (
     # half a bristle behind the play: (2 + 3) N / 2, and half of the velocity slides
     Rate(BRAKE, w=-1e-3, v=-0.1, u=0.3, rate=-0.05, force=-2.5),
+    # half of it elastic: half of the rest beyond
+    Rate({**BRAKE, "e": 0.5}, w=-1.25e-3, v=-0.1, u=0.3, rate=-0.05, force=-3.75),
     # within the play
     Rate(BRAKE, w=3e-4, v=-0.1, u=0.3, rate=-0.1, force=0.0),
     # 5 mm from the middle of the play, 4.5 mm of them with the bristle

@@ -14,7 +14,7 @@ from er_records.mapping import physics
 from er_records.mapping.survey import Seen, Survey
 from er_records.mapping.words import WORDS, counts_compression, fits
 from er_records.readers.names import TIME, Source
-from er_records.readers.units import UNITS, field_unit, known_unit
+from er_records.readers.units import UNITS, field_unit, known_unit, unit_in_name
 from er_records.record import Array, unit_of
 
 SURE, LIKELY = 0.85, 0.5
@@ -83,6 +83,7 @@ def guessed(survey: Survey, given: Mapping[str, Source] | None = None) -> dict[s
     taken = {g.seen.name for g in found.values()}
     free = [s for s in survey.columns if s.name not in taken]
     found |= _by_words(free, given.keys() | found.keys())
+    found = {c: g if c in _literal(given) else _by_its_name(g) for c, g in found.items()}
     timed = _timed(survey, found, given)
     found = {c: g for c, g in timed.items() if c not in given or given[c].column}
     return {c: _finished(g) for c, g in _related(survey, found, given).items()}
@@ -124,8 +125,15 @@ def _by_words(free: list[Seen], taken: Any) -> dict[str, Guess]:
 
 def _fit(channel: str, seen: Seen) -> float:
     """How well a column fits a channel by name and unit; surest where the name is the channel's own."""
-    score = fits(channel, seen.name, seen.unit) - VOLTAGE * seen.unit.endswith("V")
+    unit = seen.unit or unit_in_name(si_of(channel), seen.name)
+    score = fits(channel, seen.name, unit) - VOLTAGE * unit.endswith("V")
     return 0.95 if seen.name == channel and score > 0.0 else score
+
+
+def _by_its_name(guess: Guess) -> Guess:
+    """A guess without a unit, with the one that its name ends with."""
+    unit = "" if guess.unit else unit_in_name(si_of(guess.channel), guess.seen.name)
+    return guess.more(0.0, f"in {unit} by its name", unit=unit) if unit else guess
 
 
 def _timed(

@@ -17,17 +17,18 @@ WORDS: dict[str, str] = {
     "lvdt weg hub kolbenweg federweg einfederung einfederweg ausfederung auslenkung verschiebung relativweg x s",
     "deflection_velocity": "velocity vel speed geschwindigkeit geschw kolbengeschwindigkeit v vrel",
     "duty": "duty pwm current voltage command strom spannung tastgrad tastverhaeltnis ansteuerung "
-    "aussteuerung bestromung stellgroesse stellsignal feld field coil spule spulenstrom i u",
+    "aussteuerung bestromung stellgroesse stellsignal feld field coil spule spulenstrom volt amp ampere i u",
     "damper_force": "force load loadcell kraft daempferkraft daempfkraft kraftmessdose kmd f fd last",
-    "sprung_acceleration": "body sprung chassis upper top aufbau karosserie gefedert oben",
-    "unsprung_acceleration": "wheel unsprung axle lower bottom rad achse ungefedert unten knuckle radbeschleunigung",
+    "sprung_acceleration": "body sprung chassis upper top aufbau karosserie gefedert oben as",
+    "unsprung_acceleration": "wheel unsprung axle lower bottom rad achse ungefedert unten knuckle radbeschleunigung "
+    "aus",
     "road": "road base table platform excitation strasse fahrbahn anregung fusspunkt fusspunktweg tisch zr",
     "temperature": "temperature temp temperatur oeltemperatur",
     "pressure": "pressure druck press p",
 }  # fmt: skip
 """Channel to the words that name it; a longer word (`Kolbenweg`) counts by its end or beginning. Those of a car come
 before those of its damper, which share words with them."""
-ACCELERATION = ("acceleration", "accel", "acc", "beschleunigung", "beschl", "a")
+ACCELERATION = ("acceleration", "accel", "acc", "beschleunigung", "beschl", "a", "as", "aus")
 DISPLACEMENT = (
     "displacement",
     "disp",

@@ -29,6 +29,17 @@ _SPELLED = {
     "fahrenheit": "degF", "f": "degF", "gradc": "degC", "kelvin": "K", "m/s/s": "m/s2", "mm/s/s": "mm/s2",
     "mm/sec": "mm/s", "m/sec": "m/s", "in/sec": "in/s", "kph": "km/h", "amp": "A", "ampere": "A", "volt": "V",
 }  # fmt: skip
+_IN_NAMES = {
+    "mps": "m/s",
+    "mmps": "mm/s",
+    "mps2": "m/s2",
+    "mpss": "m/s2",
+    "ms2": "m/s2",
+    "pct": "%",
+}
+"""Units as names spell them that have no room for a slash."""
+_NO_UNIT = {"in", "1", "-"}
+"""What at the end of a name is rather an input or a count."""
 _FOLD = str.maketrans(
     {"²": "2", "µ": "u", "μ": "u", "°": "deg", "º": "deg", "^": "", "*": "", "·": "", " ": ""}
 )
@@ -55,6 +66,24 @@ def field_unit(unit: str) -> bool:
     """Whether a unit is of a current, a voltage, or another drive of the field."""
     folded = unit.strip().strip("[]()").translate(_FOLD)
     return folded in FIELD or _SPELLED.get(folded.lower()) in FIELD
+
+
+def unit_in_name(si: str, name: str) -> str:
+    """The unit that a name ends with (`disp_mm`, `vel_mm_s`, `Kraft kN`), for a quantity by its SI unit; '' without.
+
+    A single letter is a unit only as the unit is written: `x_N` is no number of newtons in a column `x_n`.
+    """
+    parts = re.split(r"[_\s.-]+", name.strip())
+    for n in (2, 1):
+        if len(parts) <= n:
+            continue
+        stated = "/".join(parts[-n:])
+        stated = _IN_NAMES.get(stated.lower(), stated)
+        known = known_unit(si, stated) or ("" if si != "1" or not field_unit(stated) else stated)
+        exact = len(stated) > 1 or stated in UNITS[si] or stated in FIELD or stated in ("C", "F")
+        if known and exact and stated.lower() not in _NO_UNIT:
+            return known
+    return ""
 
 
 def looks_like_unit(cell: str) -> bool:

@@ -28,7 +28,8 @@ def summary(found: Mapped) -> Group:
     for number, seen in enumerate(found.survey.columns, start=1):
         guess, rate = found.channel_of(seen), found.rate_of(seen)
         table.add_row(
-            str(number), escape(seen.name), escape(seen.unit), f"{seen.low:.4g} to {seen.high:.4g}",
+            str(number), escape(seen.name), escape(seen.unit or (guess.unit if guess else "")),
+            f"{seen.low:.4g} to {seen.high:.4g}",
             f"{rate:.4g}" if np.isfinite(rate) else "", sketch(seen.samples), guess.channel if guess else "",
             f"{guess.sure:.0%}" if guess else "",
         )  # fmt: skip

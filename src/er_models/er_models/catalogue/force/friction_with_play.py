@@ -1,8 +1,9 @@
-"""Elastic friction with play in series: a bristle z behind a play of +-b, z' = v - |v| z / z_y once it is used up.
+"""Elastic friction with play in series: a bristle z behind a play of +-b, which slides as in `bouc_wen_hysteresis`.
 
 The state w is the bristle and the play together: within +-b it moves with the damper and carries nothing.
 """
 
+from er_models.catalogue.force.bouc_wen_hysteresis import ELASTIC
 from er_models.effect import CONTACT, Effect, Param, Signature
 
 
@@ -11,14 +12,14 @@ def relax(v: float) -> tuple[float, float]:
     return 0.0, v
 
 
-def bound(b: float) -> float:
-    """Position where the play is used up [m]."""
-    return b
+def bound(b: float, z_y: float, e: float) -> float:
+    """Position from which the bristle behind the play slides [m]."""
+    return b + e * z_y
 
 
-def give(z_y: float, v: float) -> float:
-    """Rate at which the bristle beyond it slides [1/s]."""
-    return abs(v) / z_y
+def give(z_y: float, e: float, v: float) -> float:
+    """Rate at which it slides beyond [1/s]."""
+    return abs(v) / ((1.0 - e) * z_y)
 
 
 def force(F_h: float, F_u: float, z_y: float, b: float, u_f: float, w: float) -> float:
@@ -36,7 +37,8 @@ EFFECT = Effect(
     parameters=(
         Param("F_h", "N", 0.0, 3.0, 0.0, (0.2,), "level without field"),
         Param("F_u", "N/duty", -3.0, 10.0, 0.0, (0.0, 0.2), "level per duty"),
-        Param("z_y", "m", 0.002, 1.0, None, (0.03, 0.12), "elastic deflection"),
+        Param("z_y", "m", 0.002, 1.0, None, (0.03, 0.12), "elastic deflection", step=CONTACT),
+        ELASTIC,
         Param("b", "m", 0.0, 0.5, None, (0.03, 0.12), "half the play", step=CONTACT),
     ),
     hooks={"relax": relax, "bound": bound, "give": give, "force": force},
