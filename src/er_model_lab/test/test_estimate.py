@@ -2,7 +2,14 @@
 
 import numpy as np
 import pytest
-from er_model_lab.fitting.estimate import MOST_BIAS, estimated, settled, stopped, trusted
+from er_model_lab.fitting.estimate import (
+    MOST_BIAS,
+    as_far_as_straight,
+    estimated,
+    settled,
+    stopped,
+    trusted,
+)
 from er_model_lab.fitting.fit import Box, fit, with_deviations
 from er_model_lab.problem.prepare import prepare
 from er_models.model import Model
@@ -66,6 +73,18 @@ def test_where_a_bound_stops_a_value_the_others_follow():
     found = stopped(theta, step, j, inner, box)
     assert found.tolist() == pytest.approx([1.05, 0.3, 0.0])
     assert stopped(theta, 0.1 * step, j, inner, box).tolist() == pytest.approx([1.005, 0.23, 0.07])
+
+
+def test_a_bias_that_the_error_would_feel_is_not_taken():
+    """Be it ever so straight: where a bound stops one of two values that make up for each other, none can follow."""
+    model, problem = problem_of("coulomb_friction", TRUE, seed=2)
+    fitted = fit(model.with_effect("coulomb_friction"), problem, max_iter=30)
+    box = Box(fitted.model, fitted.free, problem.scales)
+    along = np.arange(fitted.theta.size) == fitted.free.index(("passive", "c0"))
+    near, far = (fitted.theta + share * fitted.theta * along for share in (1e-3, 3.0))
+    asked = (fitted, fitted.jacobian, problem, box)
+    assert as_far_as_straight([near, far], *asked) is near
+    assert as_far_as_straight([far], *asked) is fitted.theta
 
 
 def test_estimates_of_two_frictions_leave_hardly_more_than_the_fit():

@@ -55,6 +55,8 @@ MOST_BIAS = 4.0
 SHARES, CROOKED = (1.0, 0.5, 0.25), 1.5
 """Shares of a bias that are tried, and the mean square, over that which derivatives promise, up to which one is taken.
 """
+RISES = 1.5
+"""Growth of the error up to which a bias is taken away."""
 POLISH = 6
 """Most Gauss-Newton steps along secants."""
 ABOUT = (0.75, 0.85, 0.92, 0.96, 0.98, 0.99, 1.01, 1.02, 1.04, 1.08, 1.18, 1.33)
@@ -297,7 +299,7 @@ def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
     bias, spread = np.mean(moves, axis=0), np.std(moves, axis=0, ddof=1)
     found = covariance(fitted, problem)
     believed = trusted(bias, found / np.outer(fitted.scale, fitted.scale))
-    theta = _as_far_as_straight(
+    theta = as_far_as_straight(
         [stopped(fitted.theta, -s * believed, j[train], inner, box) for s in SHARES],
         fitted, j, problem, box,
     )  # fmt: skip
@@ -306,15 +308,20 @@ def estimate(fitted: Fit, problem: Problem, seed: int) -> Estimate:
     return Estimate(theta, taken, found + np.diag(doubt * fitted.scale**2))
 
 
-def _as_far_as_straight(
+def as_far_as_straight(
     points: Sequence[Array], fitted: Fit, j: Array, problem: Problem, box: Box
 ) -> Array:
-    """The first of some points (p,) where the error is what derivatives j (n, p) promise; the fit's where none is."""
+    """The first of some points (p,) where the error is what derivatives j (n, p) promise; the fit's where none is.
+
+    A bias is a few standard deviations, which the error hardly feels: where it would grow by more than `RISES` the step
+    is none. Where values make up for each other a bound may stop one of them, and no other can follow.
+    """
     train, left = problem.train, fitted.mse(problem.train)
     forces = problem.predict_many(box.model, box.vectors(np.array(points)))
     for theta, force in zip(points, forces, strict=True):
         straight = mean_square((fitted.residual - j @ (theta - fitted.theta))[train])
-        if mean_square((problem.force - force)[train]) <= SMALLEST**2 * left + CROOKED * straight:
+        there = mean_square((problem.force - force)[train])
+        if there <= min(SMALLEST**2 * left + CROOKED * straight, RISES**2 * left):
             return theta
     return fitted.theta
 

@@ -71,11 +71,16 @@ def _cells(found: Mapping[str, Any], pen: Pen) -> Iterator[RenderableType]:
     if not lacking:
         yield pen.line("every region that an effect needs is covered")
         return
+    without = [c for c in lacking if "duty" in c["name"]] if not r["duty"] else []
     rows = [
         [
             pen.safe(c["name"].replace("_", " ")), f"{short(c['have'], 2)} of {short(c['need'], 2)} {c['unit']}",
             pen.safe(joined(c["effects"]).replace("_", " ")),
         ]
-        for c in lacking[:MOST_CELLS]
+        for c in [c for c in lacking if c not in without][:MOST_CELLS]
     ]  # fmt: skip
+    if without:
+        others = {e for c in found["cells"] if c not in without for e in c["effects"]}
+        own = dict.fromkeys(e for c in without for e in c["effects"] if e not in others)
+        rows.insert(0, ["duty", "none", pen.safe(joined(list(own)).replace("_", " "))])
     yield pen.table([("missing", ""), ("have", "right"), ("so these may stay hidden", "")], rows)
