@@ -10,3 +10,4 @@ WORKED = (
     Rate({**CHAIN, "e": 0.5}, w=-7.5e-4, v=-0.1, u=0.3, rate=-0.05, force=-3.75),
     Rate(CHAIN, w=-5e-4, v=-0.1, u=0.3, rate=-0.05, force=-2.5),
 )
+SHOWN = {"e": 0.4}

@@ -15,4 +15,4 @@ WORKED = (
     # 5 mm from the middle of the play, 4.5 mm of them with the bristle
     Stroke(BRAKE, v=0.1, force=2.0 * (1.0 - math.exp(-4.5))),
 )
-SHOWN = {"F_h": 4.0, "F_u": 8.0, "z_y": 6e-4, "b": 8e-4}
+SHOWN = {"F_h": 4.0, "F_u": 8.0, "z_y": 6e-4, "e": 0.4, "b": 8e-4}

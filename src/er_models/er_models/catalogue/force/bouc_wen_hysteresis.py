@@ -31,7 +31,7 @@ def force(F_h: float, F_u: float, z_y: float, u_f: float, w: float) -> float:
 
 
 ELASTIC = Param(
-    "e", "1", 0.0, 0.98, 0.0, (0.1,), "elastic share of the deflection before it slides", step=CONTACT, optional=True
+    "e", "1", 0.0, 0.98, 0.0, (0.0,), "elastic share of the deflection before it slides", step=CONTACT, optional=True
 )  # fmt: skip
 """None is Dahl's bristle, which slides from the first instant on; all is a spring with a slider (Jenkins, Masing)."""
 
