@@ -48,7 +48,7 @@ def mutants(effect: Effect, hook: str) -> Iterator[tuple[str, Catalogue]]:
             yield name, broken(effect, hook, change)
             continue
         for part, chosen in HALVES.items():
-            if part != "rate" or _decays(effect):
+            if part != "rate" or _decays(effect, name):
                 yield f"{part} {name}", broken(effect, hook, partial(_changed, change, chosen))
 
 
@@ -59,10 +59,11 @@ def _changed(
     return tuple(change(y) if yes else y for y, yes in zip(pair, chosen, strict=True))
 
 
-def _decays(effect: Effect) -> bool:
-    """Whether the state of an effect has a rate of its own; zero, or next to it, cannot be broken."""
+def _decays(effect: Effect, name: str) -> bool:
+    """Whether a break of the rate of an effect's state can show: zero has none, next to zero only its sign."""
     relax: Callable[..., tuple[float, float]] = effect.hooks["relax"]  # type: ignore[assignment]
-    return relax(*[0.7] * len(inspect.signature(relax).parameters))[0] > 1e-9
+    rate = relax(*[0.7] * len(inspect.signature(relax).parameters))[0]
+    return rate > 1e-9 or (rate != 0.0 and name == "negated")
 
 
 def failures(name: str, catalogue: Catalogue, patch: pytest.MonkeyPatch) -> int:

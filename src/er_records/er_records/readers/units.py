@@ -30,15 +30,10 @@ _SPELLED = {
     "mm/sec": "mm/s", "m/sec": "m/s", "in/sec": "in/s", "kph": "km/h", "amp": "A", "ampere": "A", "volt": "V",
 }  # fmt: skip
 _IN_NAMES = {
-    "mps": "m/s",
-    "mmps": "mm/s",
-    "mps2": "m/s2",
-    "mpss": "m/s2",
-    "ms2": "m/s2",
-    "pct": "%",
-}
+    "mps": "m/s", "mmps": "mm/s", "mps2": "m/s2", "mpss": "m/s2", "ms2": "m/s2", "pct": "%",
+}  # fmt: skip
 """Units as names spell them that have no room for a slash."""
-_NO_UNIT = {"in", "1", "-"}
+_NO_UNIT = {"in", "1"}
 """What at the end of a name is rather an input or a count."""
 _FOLD = str.maketrans(
     {"²": "2", "µ": "u", "μ": "u", "°": "deg", "º": "deg", "^": "", "*": "", "·": "", " ": ""}
@@ -79,7 +74,7 @@ def unit_in_name(si: str, name: str) -> str:
             continue
         stated = "/".join(parts[-n:])
         stated = _IN_NAMES.get(stated.lower(), stated)
-        known = known_unit(si, stated) or ("" if si != "1" or not field_unit(stated) else stated)
+        known = known_unit(si, stated) or (stated if si == "1" and field_unit(stated) else "")
         exact = len(stated) > 1 or stated in UNITS[si] or stated in FIELD or stated in ("C", "F")
         if known and exact and stated.lower() not in _NO_UNIT:
             return known

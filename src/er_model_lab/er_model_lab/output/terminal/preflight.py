@@ -72,12 +72,13 @@ def _cells(found: Mapping[str, Any], pen: Pen) -> Iterator[RenderableType]:
         yield pen.line("every region that an effect needs is covered")
         return
     without = [c for c in lacking if "duty" in c["name"]] if not r["duty"] else []
+    told = [c for c in lacking if c not in without]
     rows = [
         [
             pen.safe(c["name"].replace("_", " ")), f"{short(c['have'], 2)} of {short(c['need'], 2)} {c['unit']}",
             pen.safe(joined(c["effects"]).replace("_", " ")),
         ]
-        for c in [c for c in lacking if c not in without][:MOST_CELLS]
+        for c in told[:MOST_CELLS]
     ]  # fmt: skip
     if without:
         others = {e for c in found["cells"] if c not in without for e in c["effects"]}

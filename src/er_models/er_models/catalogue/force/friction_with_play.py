@@ -3,7 +3,7 @@
 The state w is the bristle and the play together: within +-b it moves with the damper and carries nothing.
 """
 
-from er_models.catalogue.force.bouc_wen_hysteresis import ELASTIC
+from er_models.catalogue.force.bouc_wen_hysteresis import ELASTIC, give
 from er_models.effect import CONTACT, Effect, Param, Signature
 
 
@@ -15,11 +15,6 @@ def relax(v: float) -> tuple[float, float]:
 def bound(b: float, z_y: float, e: float) -> float:
     """Position from which the bristle behind the play slides [m]."""
     return b + e * z_y
-
-
-def give(z_y: float, e: float, v: float) -> float:
-    """Rate at which it slides beyond [1/s]."""
-    return abs(v) / ((1.0 - e) * z_y)
 
 
 def force(F_h: float, F_u: float, z_y: float, b: float, u_f: float, w: float) -> float:
