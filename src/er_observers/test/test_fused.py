@@ -10,6 +10,7 @@ pytest.importorskip("er_studies", reason="the whole workspace drives them")
 from er_observers.observers import fusion
 from er_observers.observers.status import ALONE, VERDICTS, WRONG, Status
 from er_observers.running import runtime
+from er_observers.running.ready import ready
 from er_observers.running.runtime import Sample
 from er_studies.observers.classes import scenario, with_noise
 from er_studies.observers.nrmse import nrmse
@@ -123,6 +124,25 @@ def test_a_rough_sensor_is_no_load(gains, car):
     record = ridden(with_noise(scenario("A", "healthy", 7101, 12.0), 200.0), car)
     loads = followed(gains, samples_of(record))[1][:, fusion.THETA]
     assert np.abs(loads - 1.0).max() < 0.005
+
+
+@pytest.mark.parametrize(("case", "agree"), [("healthy", True), ("f1", False)])
+def test_both_forces_count_while_they_agree(car, case, agree):
+    """A sensor of 200 um leaves more than the accelerometers alone on a healthy damper, and far less under a fault."""
+    gains = ready(CONFIG / "gains" / "unified.yaml", car, "unified")
+    record = ridden(with_noise(scenario("D", case, 7103, 12.0), 200.0), car)
+    rows = record["t"] >= 2.0
+    estimates, memories = followed(gains, samples_of(record))
+    alone = followed(replace(gains, sensors=None), samples_of(record))[0]
+    p, told = gains.fused, zip(memories, samples_of(record), strict=True)
+    fused = [fusion._answer(p, w, s.sprung_acceleration, s.deflection)[1] for w, s in told]
+    forces = [[e.force for e in estimates], [e.force for e in alone], fused]
+    both, one, other = (nrmse(record["damper_force"][rows], np.array(f)[rows]) for f in forces)
+    assert (one < 0.7 * other) is agree
+    assert both < 1.05 * min(one, other)
+    if not agree:
+        assert 3.0 * other < one
+        assert np.array_equal(np.array(forces[0])[rows], np.array(fused)[rows])
 
 
 def test_the_noise_of_a_velocity_behind_the_band(gains):

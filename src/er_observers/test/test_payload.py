@@ -210,19 +210,24 @@ FAULTY = {"oil_leakage": {"f": 0.6, "t_0": 5.0, "t_r": 0.0, "q": 0.0, "d": 0.5}}
 def test_a_leak_never_becomes_a_payload(car, observer) -> None:
     """f2 = 0.6 on a road that goes on between samples: the mass stays, the error with it, and doubt is said.
 
-    Two accelerometers see a lighter damper much as a heavier body, so a load under field is followed in part only.
+    Two accelerometers see a lighter damper much as a heavier body: a load under field is followed in part only and
+    doubted as long, or told from a leak and right.
     """
     (usual, *_) = load_scenario(CONFIG / "scenarios" / "hidden_effects.yaml")
     gains = ready(CONFIG / "gains" / f"{observer}.yaml", car, observer)
-    for effects, ratios, most in ((FAULTY, (0.999, 1.001), 0.02), (HEAVY, (1.0, 1.25), 0.02)):
+    for effects, ratios in ((FAULTY, (0.999, 1.001)), (HEAVY, (1.0, 1.25))):
         s = replace(usual, program=replace(usual.program, duration=30.0))
         record = drive(replace(s, plant=Plant(effects=effects)), car, number=60)
         state, told = run(gains, samples_of(record))
-        assert ratios[0] <= payload_of(gains, state).ratio <= ratios[1]
-        assert error(record, told) < most
+        found = payload_of(gains, state)
+        assert ratios[0] <= found.ratio <= ratios[1]
+        assert error(record, told) < 0.02
+        if effects is HEAVY and found.verdict is Verdict.ESTIMATED:
+            assert abs(found.ratio / 1.2 - 1.0) < 0.05
+            continue
         assert told[-1].status is Status.DEGRADED
         assert "a load or a loss" in told[-1].reason
-        assert payload_of(gains, state).verdict is Verdict.UNDECIDED
+        assert found.verdict is Verdict.UNDECIDED
 
 
 def test_a_car_that_stands_teaches_nothing_and_forgets_nothing(gains: Gains, hidden) -> None:

@@ -115,9 +115,9 @@ NUMBERS = USUAL_X + 1
 (
     Q, BEND, APART, CHANGE, LAST_X, PAST_X, PAST_APART, SECOND, NOISE, TRUST, SKIPPED, BACK, MEAN, SQUARE, MEAN_USUAL,
     SQUARE_USUAL, THETA, TIME, SAMPLES, WIDTH, KIN_X, KIN_V, KIN_00, KIN_01, KIN_11, KNOWN, SAME, DRIFT, SPREAD,
-    ADRIFT,
-) = range(14, 44)  # fmt: skip
-FILTERS = 44
+    ADRIFT, DIFFER,
+) = range(14, 45)  # fmt: skip
+FILTERS = 45
 """Three signals (m_s y_1, x_m, f) with five numbers each."""
 SUMS = FILTERS + 15
 SIZE = SUMS + 10
@@ -154,14 +154,14 @@ def numbers_of(
 
 
 def begin() -> Array:
-    """Memory (69,) before any deflection."""
+    """Memory (70,) before any deflection."""
     memory = np.zeros(SIZE)
     memory[THETA] = 1.0
     return memory
 
 
 def interrupted(memory: Array) -> Array:
-    """Memory (69,) where the next sample does not follow this one: what was learnt stays."""
+    """Memory (70,) where the next sample does not follow this one: what was learnt stays."""
     kept = memory.copy()
     kept[SAMPLES] = 0.0
     return kept
@@ -366,7 +366,7 @@ def fuse(
     p: Array, w: Array, sprung: float, unsprung: float, seen: float, own: Array, rho: float,
     dt: float,
 ) -> tuple[bool, float, float, float]:  # fmt: skip
-    """Take a sample into the memory w (69,), in place: whether the sensor is believed, force [N], deflection, velocity.
+    """Take a sample into the memory w (70,), in place: whether the sensor is believed, force [N], deflection, velocity.
 
     own (n,): the observer's estimate, with which the filter begins; rho: duty in force for dt [s] until now.
     """
@@ -412,11 +412,17 @@ def fuse(
 @compiled
 def _answer(p: Array, w: Array, sprung: float, seen: float) -> tuple[bool, float, float, float]:
     """The force within its band about the balance, with deflection and velocity."""
+    force = p[K_0] * w[X] + p[C_0] * w[V] + w[F] + w[D]
+    return True, banded(p, w, force, sprung, seen), w[X], w[V]
+
+
+@compiled
+def banded(p: Array, w: Array, force: float, sprung: float, seen: float) -> float:
+    """A force [N] within the band about the balance; sprung [m/s2], seen [m]: what the sensors say."""
     mass = w[THETA] * p[M_S]
     balance = -mass * sprung - p[K_S] * seen
     band = BAND * math.sqrt((mass * p[NOISE_A]) ** 2 + (p[K_S] * w[NOISE]) ** 2)
-    force = p[K_0] * w[X] + p[C_0] * w[V] + w[F] + w[D]
-    return True, min(max(force, balance - band), balance + band), w[X], w[V]
+    return float(min(max(force, balance - band), balance + band))
 
 
 @compiled
