@@ -297,6 +297,42 @@ def test_what_a_search_found_last_goes_again_where_held_out_data_refuse_it(two_f
         assert "reload" not in " ".join(seen.reasons)
 
 
+def test_a_search_that_was_stopped_leaves_nothing_that_held_out_data_refuse(two_found):
+    found, problem = two_found
+    one = found.rounds[0].taken
+    left = np.where(problem.held_out, 1.2 * one.fit.residual, found.best.fit.residual)
+    best = replace(found.best, fit=replace(found.best.fit, residual=left))
+    stopped = replace(found, best=best, interrupted=True)
+    study, notes = veto.weighed(Part(diagnosis=stopped, problem=problem), RULE, RULE, later=False)
+    assert study.diagnosis.effects == ("coulomb_friction",)
+    assert study.diagnosis.interrupted
+    assert [note.split(":")[0] for note in notes] == ["preload not added"]
+
+
+@pytest.mark.parametrize("later", [False, True])
+def test_a_pass_that_was_stopped_with_what_held_out_data_refuse_is_the_last(monkeypatch, later):
+    """Nothing else is fitted for whoever stopped it, and what the passes before made stays."""
+    fit = SimpleNamespace(fit=SimpleNamespace(residual=np.ones(8)))
+    passes = [
+        Part(diagnosis=Search(("preload",), fit, (), base=fit)),
+        Part(diagnosis=Search(("remanence",), fit, (), base=fit, interrupted=True)),
+    ][: 1 + later]
+    told = iter(passes)
+    monkeypatch.setattr(improve, "investigate", lambda *_: next(told))
+    monkeypatch.setattr(veto, "vetoed", lambda study, *_: (study, ()))
+    monkeypatch.setattr(veto, "worse", lambda *_: "it errs")
+    monkeypatch.setattr(veto, "instead", lambda *_: pytest.fail("nobody waits for it"))
+    monkeypatch.setattr(improve, "refused", lambda study, rule, given: (rule, ()))
+    monkeypatch.setattr(improve, "_goes_on", lambda found: later)
+    monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
+    monkeypatch.setattr(improve, "marked", lambda model, _: model)
+    monkeypatch.setattr(improve, "begun", lambda model, *_: model)
+    level = SimpleNamespace(finished=lambda study, _: study.diagnosis.effects)
+    asked = Question(data=None, model=(), level=level, preflight=None)
+    made = improve._passes(asked, SimpleNamespace(noted={}, digest=""), "m", None)
+    assert (made.stopped, made.model) == (later, ("preload",))
+
+
 @pytest.mark.parametrize(("moved", "kept"), [(1.0, 1), (0.1, 2)])
 def test_what_changes_held_out_data_as_much_and_helps_only_those_it_was_fitted_to_goes_again(
     two_found, moved, kept

@@ -161,6 +161,8 @@ def _passes(asked: Question, start: Begun, name: str, keep: Keep | None) -> _Pas
                 raise
             return _Passes(studies, current, made, stopped=True, notes=notes)
         notes = (*notes, *said)
+        if study is None and seen.diagnosis.interrupted:
+            return _Passes(studies, current, made, stopped=True, notes=notes)
         if study is None:
             # what held-out data refuse may hide another effect, which they do not
             barred = asked.rule.barred | {*seen.diagnosis.effects}

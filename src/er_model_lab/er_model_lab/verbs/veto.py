@@ -29,12 +29,12 @@ def weighed(
 ) -> tuple[Study | None, tuple[str, ...]]:
     """What held-out data leave of a study, None where nothing is left of one after the first, and what to say of it.
 
-    rule: by which it was made; given: by which the first one was.
+    rule: by which it was made; given: by which the first one was. Nothing is fitted for whoever stopped it.
     """
     study, notes = vetoed(study, rule, 0.0 if later else BAND)
     if not later or not (why := worse(study, given)):
         return study, notes
-    other = instead(study, given)
+    other = None if study.diagnosis.interrupted else instead(study, given)
     if other is None:
         return None, (*notes, why)
     return other, (*notes, f"{why}; {other.diagnosis.effects[0]}, tied, does not")
@@ -47,7 +47,7 @@ def vetoed(study: Study, rule: Rule, band: float) -> tuple[Study, tuple[str, ...
     """
     notes, found = list[str](), study.diagnosis
     taken = [step.taken for step in found.rounds if step.taken is not None]
-    while len(found.effects) > 1 and not found.interrupted:
+    while len(found.effects) > 1:
         held, fewer = set(found.effects), len(found.effects) - 1
         before = next((c for c in taken if {*c.effects} < held and len(c.effects) == fewer), None)
         if before is None or not (said := against(study.problem, before, found.best, band)):
@@ -58,8 +58,9 @@ def vetoed(study: Study, rule: Rule, band: float) -> tuple[Study, tuple[str, ...
         tried = next((step for step in found.rounds if step.base is before), None)
         before = replace(before, fit=restored(before.fit, found.best.fit.model))
         rounds = list(found.rounds)
+        stopped = found.interrupted
         found = judge(found.base, before, rounds, found.floor, study.problem, ties, rule)
-        found = replace(found, further=afresh(tried) if tried else None)
+        found = replace(found, further=afresh(tried) if tried else None, interrupted=stopped)
     return (replace(study, diagnosis=found) if notes else study), tuple(notes)
 
 
