@@ -151,7 +151,7 @@ _TABLE: tuple[tuple[str, tuple[str, ...], Callable[[Random, Scale], Rows], float
     ("offset", OIL, _of(d.OFFSET, lambda g, s: (sign(g) * 0.05 * s.F,)), np.inf),
     ("maxwell", OIL, _MAXWELL, np.inf),
     ("mount", (*OIL, "brake"), _of(d.MOUNT, lambda g, s: (0.1 * s.X / s.F, 0.4 * s.X)), np.inf),
-    ("play", OIL, _of(d.PLAY, lambda g, s: (s.X * g.uniform(0.03, 0.1), 40.0 * s.F / s.X)), np.inf),
+    ("play", OIL, _of(d.PLAY, lambda g, s: (s.X * g.uniform(0.03, 0.1), 400.0 * s.F / s.X)), np.inf),
     ("brake_play", ("brake",), _brake_play, np.inf),
     ("inertia", ALL, _of(d.INERTIA, lambda g, s: (0.1 * s.F * s.X / s.V**2,)), np.inf),
     ("void", OIL, _of(d.VOID, _void), 0.85),

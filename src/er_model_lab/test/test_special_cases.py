@@ -9,7 +9,14 @@ from er_model_lab.diagnosis import search
 from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.null import Null
 from er_model_lab.diagnosis.rule import RULE
-from er_model_lab.diagnosis.search import decided, effect_size, momentary, plain
+from er_model_lab.diagnosis.search import (
+    Round,
+    as_one,
+    decided,
+    effect_size,
+    momentary,
+    plain,
+)
 from lab_help import problem_of
 
 COMPLIANT = {"b": 0.0, "q": 3e-4}
@@ -46,6 +53,37 @@ def test_a_form_that_needs_no_more_than_its_special_case_is_tied_with_it(
     named, ties = plain(best, problem, 0.05)
     assert named is best
     assert ties == ((("freeplay", "mount_compliance"),) if tied else ())
+
+
+@pytest.mark.parametrize(("gap", "tied"), [(2e-6, True), (8e-4, False)])
+def test_a_gap_that_is_next_to_nothing_of_what_gives_way_leaves_a_tie(monkeypatch, gap, tied):
+    """However little noise there is: the name would rest on a thousandth of the stroke."""
+    base, best, problem = found({**COMPLIANT, "b": gap})
+    monkeypatch.setattr(search, "specialised", lambda *_: base)
+    assert plain(best, problem, 1e-6)[1] == ((("freeplay", "mount_compliance"),) if tied else ())
+
+
+@pytest.mark.parametrize(("needed", "named"), [(True, "freeplay"), (False, "mount_compliance")])
+def test_a_form_stands_for_its_special_case_and_what_was_added_to_it(needed, named):
+    """Asked to gain far more than a mount, a gap was left out; a further effect beside the mount is what it leaves."""
+    base, gap, problem = found({**OPEN, "q": COMPLIANT["q"]})
+    catalogue = base.fit.model.catalogue
+    mount = refit(base, catalogue["mount_compliance"], problem)
+    both = refit(mount, catalogue["preload"], problem)
+    assert gap.seen < both.seen < mount.seen
+    null, rest = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0)), ["mount_compliance"]
+    rounds = [Round(base, [mount, gap], null, 0.05, mount, rest)]
+    if needed:
+        rounds.append(Round(mount, [both], null, 0.05, both, ["preload"]))
+    best, earned = as_one(both if needed else mount, rounds, problem, RULE)
+    assert best.effects == (named,)
+    assert earned == (("freeplay",) if needed else ())
+    assert [step.taken.name for step in rounds] == [named]
+    # and it stays, though its special case is behind by no more than what it was left out for
+    assert plain(best, problem, 1e3, earned)[0].effects == (named,)
+    barred = replace(RULE, barred=frozenset({"freeplay"}))
+    rounds = [Round(base, [mount, gap], null, 0.05, mount, rest)]
+    assert as_one(both, rounds, problem, barred)[0] is both
 
 
 def test_a_form_is_fitted_to_its_end_before_its_special_case_is_named(monkeypatch):

@@ -161,7 +161,7 @@ def test_what_pruning_loses_is_looked_for_once_more(left, again, monkeypatch):
     monkeypatch.setattr(investigation, "plain", lambda best, *_: (best, ()))
     for name in ("_alternatives", "halves", "clock_ties"):
         monkeypatch.setattr(investigation, name, lambda *_: ())
-    rounds = [SimpleNamespace(threshold=1.0)]
+    rounds = [SimpleNamespace(threshold=1.0, taken=None)]
     first = seen("a", 4.0, ("a",))
     best, *_ = investigation._searched(first, rounds, "floor", None, 0, Rule())
     assert begun == [("a",), ("b", "c")][: 1 + again]
@@ -184,6 +184,6 @@ def test_nothing_is_exchanged_while_a_further_effect_passes_that_another_search_
     monkeypatch.setattr(investigation, "plain", lambda best, *_: (best, ()))
     for name in ("_alternatives", "halves", "clock_ties"):
         monkeypatch.setattr(investigation, name, lambda *_: ())
-    rounds = [SimpleNamespace(threshold=1.0)]
+    rounds = [SimpleNamespace(threshold=1.0, taken=None)]
     best, *_ = investigation._searched(both, rounds, floor, None, 0, Rule(goes_on=goes_on))
     assert best is (other if exchanged else both)

@@ -524,6 +524,13 @@ def left_as(best: Candidate, name: str, special: str, problem: Problem) -> float
     return fit(idle_but(model, name, special), problem, max_iter=0).mse(problem.train)
 
 
+def size_of(name: str, candidate: Candidate, problem: Problem) -> float:
+    """What an effect of a fitted model changes of the force, root mean square [N]."""
+    model = candidate.fit.model
+    change = problem.predict(model) - problem.predict(model.without_effect(name))
+    return float(np.sqrt(mean_square(change[problem.train])))
+
+
 def as_special(model: Model, name: str, special: str) -> Model:
     """The model with a special case in the place of a form, with the values that both share."""
     shared = model.catalogue[special].names

@@ -22,6 +22,7 @@ from er_model_lab.diagnosis.search import (
     MOST_EFFECTS,
     Round,
     afresh,
+    as_one,
     close,
     decided,
     one_round,
@@ -114,6 +115,7 @@ def _searched(
             best, floor, further = _grow(kept, rounds, floor, problem, seed, rule)
         else:
             best = kept
+    best, earned = as_one(best, rounds, problem, rule)
     ties = _alternatives(best, rounds)
     if len(best.effects) > 1:
         whole, groups = swapped(best, rounds, problem)
@@ -121,7 +123,7 @@ def _searched(
         if whole is best or not (rule.goes_on and _incomplete(best, floor, further)):
             best, ties = whole, groups
         ties = (*ties, *halves(best, rounds, ties))
-    best, special = plain(best, problem, rounds[-1].threshold)
+    best, special = plain(best, problem, rounds[-1].threshold, earned)
     ties = (*ties, *special)
     return best, floor, (*ties, *clock_ties(best, rounds, ties, problem)), further
 

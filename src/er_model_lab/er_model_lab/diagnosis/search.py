@@ -22,6 +22,7 @@ from er_model_lab.diagnosis.candidates import (
     refit_all,
     roughly_without,
     screen,
+    size_of,
     specialised,
     to_the_end,
 )
@@ -65,6 +66,8 @@ to no equation, and no sensor to its noise, so closely that it would decide."""
 PARTS, UNDERRATED = 10, 4.0
 """Parts of the samples, by what the errors of the motion cause there, in which a gain must exceed it, and how much more
 in mean square these errors may cause than the fusion says."""
+OWN = 0.05
+"""Share of what a generalised form changes up to which what its special case has not is next to nothing."""
 NESTED, SAME = 1e-2, 1e-4
 """Mean square of the difference of two forces, over what is left, below which they are nearly, and wholly, the same."""
 
@@ -363,13 +366,43 @@ def far_better(base: Candidate, form: Candidate, able: list[Candidate], limit: f
     return all(effect_size(c, form) > FAR_BEYOND * limit for c in able if c.name in names)
 
 
+def as_one(
+    best: Candidate, rounds: list[Round], problem: Problem, rule: Rule
+) -> tuple[Candidate, tuple[str, ...]]:
+    """A model with a generalised form for its special case and all that was added later, and that form's name.
+
+    It leaves no more than those; `rounds` ends with it then.
+
+    It was left out where it gained not far more than its special case. A further effect says that this was not all.
+    """
+    for i, step in enumerate(rounds):
+        taken = step.taken
+        if taken is None or taken.name not in best.effects or best.effects == taken.effects:
+            continue
+        catalogue = taken.fit.model.catalogue
+        forms = [
+            c
+            for c in step.candidates
+            if taken.name in catalogue[c.name].generalises and c.name not in rule.barred
+        ]
+        for form in forms:
+            ended = finished(form, problem) if form.ranked else form
+            if ended.seen <= best.seen and len(ended.effects) < len(best.effects):
+                rounds[i:] = [replace(step, taken=ended, ties=[ended.name])]
+                return ended, (ended.name,)
+    return best, ()
+
+
 def plain(
-    best: Candidate, problem: Problem, limit: float
+    best: Candidate, problem: Problem, limit: float, earned: tuple[str, ...] = ()
 ) -> tuple[Candidate, tuple[tuple[str, ...], ...]]:
     """A fitted model with special cases in place of generalised forms that do not gain far more, and ties with them.
 
-    A form that needs nothing beyond what its special case has, though that by itself fits worse, is tied with it. A
-    simple effect that a richer one holds stands in its place where it leaves the same; beside other effects also where
+    earned: forms that stand for more than their special case.
+
+    A form that needs next to nothing beyond what its special case has, though that by itself fits worse, is tied with
+    it: a joint that gives way and whose gap is a thousandth of the stroke is a mount that friction stretches. A simple
+    effect that a richer one holds stands in its place where it leaves the same; beside other effects also where
     it is behind by nothing that counts: the richer one may have done their work before they were there.
     """
     catalogue, ties = best.fit.model.catalogue, []
@@ -385,9 +418,12 @@ def plain(
             if special in model.effects or name not in model.effects:
                 continue
             trial = specialised(best, name, special, problem)
-            if effect_size(trial, best) <= FAR_BEYOND * limit:
+            if name not in earned and effect_size(trial, best) <= FAR_BEYOND * limit:
                 best = trial
-            elif left_as(best, name, special, problem) - best.seen <= limit**2:
+            elif (
+                left_as(best, name, special, problem) - best.seen
+                <= max(limit, OWN * size_of(name, best, problem)) ** 2
+            ):
                 ties.append((name, special))
     return best, tuple(ties)
 
