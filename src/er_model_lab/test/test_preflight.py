@@ -9,6 +9,7 @@ from er_model_lab.cli.app import app
 from er_model_lab.preflight.check import findings, gate, preflight
 from er_model_lab.preflight.derivative import relate
 from er_model_lab.preflight.excitation import CELLS, needs
+from er_model_lab.preflight.samples import clipped
 from er_models.catalogue import CATALOGUE
 from er_models.effect import REGIONS
 from er_models.errors import InputError
@@ -187,6 +188,20 @@ def test_a_coarse_converter_is_neither_held_nor_clipped(sound):
         "damper_force": np.round(2.0 * sound.channels["damper_force"]) / 2.0,
     }
     assert bad(with_(sound, **coarse)) == []
+
+
+def test_a_flat_top_that_noise_breaks_into_short_runs_is_clipped_as_a_whole():
+    """At 10 kHz the force crosses the end of a load cell's range often before it stays there."""
+    t = np.arange(60_000) * 1e-4
+    swing = np.sin(2.0 * np.pi * 0.5 * t)
+    force = 104.0 * swing + np.random.default_rng(4).normal(0.0, 0.6, t.size)
+    cut = np.clip(force, -100.0, 100.0)
+    found = clipped(cut, [0.5 * swing])
+    runs_of = np.diff(np.flatnonzero(np.diff(np.r_[0, found, 0])))[::2]
+    assert np.median(runs_of) < 10
+    for end in (-100.0, 100.0):
+        assert found[cut == end].mean() > 0.9
+    assert np.all(np.abs(cut[found]) == 100.0)
 
 
 def test_rest_at_the_end_of_the_stroke_is_no_clipping(sound):

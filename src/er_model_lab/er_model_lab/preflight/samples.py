@@ -164,7 +164,8 @@ def clipped(y: Array, others: list[Array]) -> NDArray[np.bool_]:
     """Samples (n,) in runs of three or more at the largest or at the smallest value while others move.
 
     The last step before the run must be a large one: a coarse converter stays at its highest value, too, but
-    comes there in its smallest steps. others: channels (n,) over their ranges.
+    comes there in its smallest steps. Noise breaks a flat top into long and many short runs, which nothing moves in:
+    most of the samples must lie in runs in which others do. others: channels (n,) over their ranges.
     """
     steps, top = np.abs(np.diff(y)), np.zeros(y.size, bool)
     moves = steps[steps > 0.0]
@@ -179,7 +180,8 @@ def clipped(y: Array, others: list[Array]) -> NDArray[np.bool_]:
         into = steps[found.first[at] - 1]
         first, length = found.first[at], found.length[at]
         moved = [_moved(others, int(i), int(n)) for i, n in zip(first, length, strict=True)]
-        if float(np.median(into)) > 5.0 * quantum and float(np.median(moved)) > ALIVE:
+        of_samples = float(np.median(np.repeat(moved, length)))
+        if float(np.median(into)) > 5.0 * quantum and of_samples > ALIVE:
             for i, n in zip(first, length, strict=True):
                 top[i : i + n] = True
     return top
