@@ -28,7 +28,10 @@ RIGHT: dict[str, tuple[str, ...]] = {
     "void": ("cavitation",),
     "thicken": ("field_viscosity",),
     "stiffen": ("field_stiffness",),
-    "mixed": ("field_exponent",),
+    "mixed": (
+        "field_exponent",
+        "field_saturation",
+    ),  # bent down it is a saturation in the first order
     "saturate": ("field_saturation",),
     "late": ("dead_time",),
     "amplifier": ("amplifier_lag",),

@@ -97,6 +97,7 @@ def leaving(square):
         losses=np.full(12, mean),
         mse=mean,
         seen=mean,
+        left=mean,
     )
 
 
@@ -602,7 +603,18 @@ def test_a_partner_of_a_pair_is_exchanged_for_what_pairs_were_tried_of():
         problem,
     )
     best, _ = swapped(pair, [step], problem)
-    assert best.effects == ("field_stiffness", "coulomb_friction")
+    assert {*best.effects} == {"field_stiffness", "coulomb_friction"}
+
+
+def test_no_candidate_leaves_less_than_its_own_fit(friction):
+    """A gap's fit had ended in a valley; a straight line from there promised less than a brake behind it left."""
+    base, (best, other, *_), problem = friction
+    null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
+    promised = replace(other, mse=0.5 * best.mse, seen=4.0 * best.left)
+    assert promised.left == 4.0 * best.left
+    step = decided(base, [promised, best], null, problem, RULE)
+    assert step.candidates[0].name == best.name
+    assert step.taken.name == best.name
 
 
 def test_what_is_left_of_a_pair_must_pass_by_itself(friction):

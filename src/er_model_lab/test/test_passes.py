@@ -11,6 +11,7 @@ from er_model_lab.diagnosis.noise_floor import Floor
 from er_model_lab.diagnosis.null import Null
 from er_model_lab.diagnosis.rule import RULE
 from er_model_lab.diagnosis.search import Round
+from er_model_lab.diagnosis.verdict import NOTHING_NAMED
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study, summary
 from er_model_lab.results.candidate import candidates as entries
@@ -175,7 +176,9 @@ def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, l
 
     def study(before, after, effects):
         left = [
-            SimpleNamespace(fit=SimpleNamespace(residual=np.full(8, e)), mse=e * e, seen=e * e)
+            SimpleNamespace(
+                fit=SimpleNamespace(residual=np.full(8, e)), mse=e * e, seen=e * e, effects=()
+            )
             for e in (before, after)
         ]
         found = Search(effects, left[1], (), base=left[0])
@@ -361,6 +364,9 @@ def test_what_is_said_of_held_out_data_beyond_those_learnt_from_is_of_the_last_m
     assert of_the_last(["a", first], ["c"]) == ["a"]
 
 
+NOT_ADDED = "coulomb_friction not added"
+
+
 @pytest.fixture(scope="module")
 def two_tied():
     """A search that took a friction, tied with another form of it."""
@@ -391,6 +397,22 @@ def test_of_tied_effects_that_one_is_taken_which_held_out_data_do_not_refuse(
     assert veto.worse(study, RULE).startswith("coulomb_friction not added: the error on held-out")
     other = veto.instead(study, RULE)
     assert (other and other.diagnosis.effects) == taken
+
+
+@pytest.mark.parametrize(("ratio", "named"), [(50.0, False), (1.0, True)])
+def test_the_first_effect_goes_again_too_where_held_out_data_are_predicted_worse_with_it(
+    two_tied, ratio, named
+):
+    found, problem = two_tied
+    best = erring(found.best, problem, ratio)
+    study = Part(diagnosis=replace(found, best=best), problem=problem)
+    study, notes = veto.weighed(study, RULE, RULE, later=False)
+    seen = study.diagnosis
+    assert seen.effects == (("coulomb_friction",) if named else ())
+    assert [note.split(":")[0] for note in notes] == ([] if named else [NOT_ADDED])
+    if not named:
+        assert seen.best is seen.base
+        assert seen.verdict in NOTHING_NAMED
 
 
 @pytest.mark.parametrize(("one", "two", "ends"), [(50, 50, True), (50, 1, False), (1, 1, False)])

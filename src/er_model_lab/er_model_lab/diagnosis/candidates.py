@@ -92,6 +92,14 @@ class Candidate:
     ranked: bool = False
 
     @property
+    def left(self) -> float:
+        """Mean square that it leaves [N2]: no less than the fit itself does.
+
+        Less is what a straight line makes of leaving a block out, and of a fit that ended in a valley of its own.
+        """
+        return max(self.mse, self.seen)
+
+    @property
     def name(self) -> str:
         """The effect added last."""
         return self.effects[-1]
@@ -368,7 +376,7 @@ def _refit_many(
     near, best = about(base.fit, problem, ROUGH), partial(leaders, base)
     judged = near.each(_judged, jobs, base, near.begun(base.fit.model), stage=FINISHING, best=best)
     found = predicted([_beside(c, known) for c in judged])
-    found.sort(key=lambda c: max(c.mse, c.seen))
+    found.sort(key=lambda c: c.left)
     return _ended(base, found, problem)
 
 

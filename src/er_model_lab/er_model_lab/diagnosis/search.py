@@ -219,7 +219,7 @@ def tied(
     near = [best]
 
     def behind(other: Candidate) -> float:
-        return float(np.sqrt(max(other.mse - best.mse, 0.0)))
+        return float(np.sqrt(max(other.left - best.left, 0.0)))
 
     for other in candidates[1:]:
         gain = effect_size(base, other)
@@ -319,7 +319,7 @@ def decided(
     refined = [c for c in able if not far_better(base, c, able, limit)]
     ended = {c.name: chosen_among(c, problem) for c in refined}
     candidates, able = (
-        sorted((ended.get(c.name, c) for c in some), key=lambda c: c.mse)
+        sorted((ended.get(c.name, c) for c in some), key=lambda c: c.left)
         for some in (candidates, able)
     )
     able = _without_refinements(base, able, limit)
@@ -329,7 +329,7 @@ def decided(
     taken = group[0]
     if taken.ranked:
         candidates = [finished(c, problem) if c is taken else c for c in candidates]
-        return decided(base, sorted(candidates, key=lambda c: c.mse), null, problem, rule)
+        return decided(base, sorted(candidates, key=lambda c: c.left), null, problem, rule)
     if rule.small_steps and taken.name in loose(taken, problem):
         other = replace(rule, barred=rule.barred | {taken.name})
         return decided(base, candidates, null, problem, other)
@@ -452,7 +452,7 @@ def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
     pairs = problem.each(
         _paired_with, list(itertools.combinations(names, 2)), singles, target, stage="trying pairs"
     )
-    best = min(pairs, key=lambda c: c.mse, default=None)
+    best = min(pairs, key=lambda c: c.left, default=None)
     top = step.taken or step.candidates[0]
 
     def enough(pair: Candidate) -> bool:
@@ -489,9 +489,9 @@ def swapped(
         if not others:
             continue
         place, rest = best.effects.index(name), roughly_without(name, problem, best)
-        target = max(best.mse, best.seen) + (FAR_BEYOND * step.threshold) ** 2
+        target = best.left + (FAR_BEYOND * step.threshold) ** 2
         trials = problem.each(exchanged, others, rest, place, target, stage="exchanging effects")
-        alike = tied(rest, sorted([best, *trials], key=lambda c: c.mse), problem, step.threshold)
+        alike = tied(rest, sorted([best, *trials], key=lambda c: c.left), problem, step.threshold)
         best = finished(alike[0], problem) if alike[0].ranked else alike[0]
         alike[0] = best
         groups.append(

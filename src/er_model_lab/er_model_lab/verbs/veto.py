@@ -31,7 +31,7 @@ def weighed(
 
     rule: by which it was made; given: by which the first one was. Nothing is fitted for whoever stopped it.
     """
-    study, notes = vetoed(study, rule, 0.0 if later else BAND)
+    study, notes = vetoed(study, rule, 0.0 if later else BAND, 1 if later else 0)
     if not later or not (why := worse(study, given)):
         return study, notes
     other = None if study.diagnosis.interrupted else instead(study, given)
@@ -40,17 +40,20 @@ def weighed(
     return other, (*notes, f"{why}; {other.diagnosis.effects[0]}, tied, does not")
 
 
-def vetoed(study: Study, rule: Rule, band: float) -> tuple[Study, tuple[str, ...]]:
+def vetoed(study: Study, rule: Rule, band: float, least: int = 0) -> tuple[Study, tuple[str, ...]]:
     """The study without the effects that it found last where held-out data refuse them beside the others, and why.
 
-    band: share by which the error there may rise.
+    band: share by which the error there may rise; least: so many effects stay in any case.
     """
     notes, found = list[str](), study.diagnosis
-    taken = [step.taken for step in found.rounds if step.taken is not None]
-    while len(found.effects) > 1:
+    taken = [found.base, *(step.taken for step in found.rounds if step.taken is not None)]
+    while len(found.effects) > least:
         held, fewer = set(found.effects), len(found.effects) - 1
         before = next((c for c in taken if {*c.effects} < held and len(c.effects) == fewer), None)
-        if before is None or not (said := against(study.problem, before, found.best, band)):
+        says = (
+            against if fewer else rise
+        )  # what promises more than it gives is not worse than nothing
+        if before is None or not (said := says(study.problem, before, found.best, band)):
             break
         (last,) = held - {*before.effects}
         notes.append(f"{last} not added: {said}")
