@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis import search
+from er_model_lab.diagnosis import search, special_cases
 from er_model_lab.diagnosis.candidates import (
     baseline,
     cross_judged,
@@ -378,7 +378,7 @@ def test_stribeck_friction_without_a_breakaway_is_coulomb_friction():
     assert [c.name for c in near] == ["coulomb_friction", "stribeck_friction"]
     assert nested(plain, rich, problem)
     assert not rivals(plain, rich, problem)
-    assert search.plain(rich, problem, 0.01)[0].effects == ("coulomb_friction",)
+    assert special_cases.plain(rich, problem, 0.01)[0].effects == ("coulomb_friction",)
 
 
 @pytest.mark.parametrize(
@@ -391,7 +391,7 @@ def test_beside_other_effects_a_friction_is_no_richer_than_it_needs_to_be(hidden
     begun = {**values, "F_s": 0.3, "v_s": 0.3}
     both = model.with_effect("preload", {"F_0": 0.0}).with_effect("stribeck_friction", begun)
     found = cross_judged(("preload", "stribeck_friction"), fit(both, problem), problem)
-    assert search.plain(found, problem, 0.03)[0].effects == ("preload", named)
+    assert special_cases.plain(found, problem, 0.03)[0].effects == ("preload", named)
 
 
 def test_a_breakaway_with_a_long_tail_is_met_by_its_form():

@@ -5,18 +5,17 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis import search
+from er_model_lab.diagnosis import search, special_cases
 from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.null import Null
 from er_model_lab.diagnosis.rule import RULE
 from er_model_lab.diagnosis.search import (
     Round,
-    as_one,
     decided,
     effect_size,
     momentary,
-    plain,
 )
+from er_model_lab.diagnosis.special_cases import as_one, plain
 from lab_help import problem_of
 
 COMPLIANT = {"b": 0.0, "q": 3e-4}
@@ -49,7 +48,7 @@ def test_a_form_that_needs_no_more_than_its_special_case_is_tied_with_it(
 ):
     """A mount without what else rubs may fit worse than the joint does with its gap closed."""
     base, best, problem = found(OPEN) if gap else compliant
-    monkeypatch.setattr(search, "specialised", lambda *_: base)
+    monkeypatch.setattr(special_cases, "specialised", lambda *_: base)
     named, ties = plain(best, problem, 0.05)
     assert named is best
     assert ties == ((("freeplay", "mount_compliance"),) if tied else ())
@@ -59,7 +58,7 @@ def test_a_form_that_needs_no_more_than_its_special_case_is_tied_with_it(
 def test_a_gap_that_is_next_to_nothing_of_what_gives_way_leaves_a_tie(monkeypatch, gap, tied):
     """However little noise there is: the name would rest on a thousandth of the stroke."""
     base, best, problem = found({**COMPLIANT, "b": gap})
-    monkeypatch.setattr(search, "specialised", lambda *_: base)
+    monkeypatch.setattr(special_cases, "specialised", lambda *_: base)
     assert plain(best, problem, 1e-6)[1] == ((("freeplay", "mount_compliance"),) if tied else ())
 
 

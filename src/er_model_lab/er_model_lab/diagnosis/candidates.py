@@ -511,52 +511,6 @@ def _less(candidate: Candidate, name: str) -> tuple[str, ...]:
     return tuple(e for e in candidate.effects if e != name)
 
 
-def specialised(best: Candidate, name: str, special: str, problem: Problem) -> Candidate:
-    """A fitted model with a special case in the place of a generalised form, refitted.
-
-    It begins with the values that both share: from a start of its own it may have ended elsewhere.
-    """
-    simple = as_special(best.fit.model, name, special)
-    effects = tuple(special if e == name else e for e in best.effects)
-    return cross_judged(effects, fit(practised(simple, problem), problem), problem)
-
-
-def left_as(best: Candidate, name: str, special: str, problem: Problem) -> float:
-    """Mean square [N2] that a fitted model leaves with a form as its special case is: what else it has does nothing.
-
-    Infinite where the form does not hold all values of the special case: without the others it is nothing.
-    """
-    model, effect = best.fit.model, best.fit.model.catalogue[name]
-    if not {*model.catalogue[special].names} <= {*effect.names}:
-        return np.inf
-    return fit(idle_but(model, name, special), problem, max_iter=0).mse(problem.train)
-
-
-def size_of(name: str, candidate: Candidate, problem: Problem) -> float:
-    """What an effect of a fitted model changes of the force, root mean square [N]."""
-    model = candidate.fit.model
-    change = problem.predict(model) - problem.predict(model.without_effect(name))
-    return float(np.sqrt(mean_square(change[problem.train])))
-
-
-def as_special(model: Model, name: str, special: str) -> Model:
-    """The model with a special case in the place of a form, with the values that both share."""
-    shared = model.catalogue[special].names
-    values = {q: value for q, value in model.effects[name].items() if q in shared}
-    return model.without_effect(name).with_effect(special, values)
-
-
-def idle_but(model: Model, name: str, special: str) -> Model:
-    """The model with a form of which nothing acts but what its special case has."""
-    shared = model.catalogue[special].names
-    idle = {
-        q.name: q.neutral
-        for q in model.catalogue[name].parameters
-        if q.name not in shared and q.neutral is not None
-    }
-    return model.with_effect(name, {**model.effects[name], **idle})
-
-
 def left_without(name: str, problem: Problem, candidate: Candidate) -> float:
     """Mean square [N2] that a fitted model leaves with one of its added effects taken out again and refitted."""
     less = candidate.fit.model.without_effect(name)

@@ -22,12 +22,10 @@ from er_model_lab.diagnosis.search import (
     MOST_EFFECTS,
     Round,
     afresh,
-    as_one,
     close,
     decided,
     one_round,
     passes,
-    plain,
     promising,
     prune,
     swapped,
@@ -36,6 +34,7 @@ from er_model_lab.diagnosis.search import (
     threshold,
     try_pairs,
 )
+from er_model_lab.diagnosis.special_cases import as_one, plain
 from er_model_lab.diagnosis.verdict import ENOUGH, NOTHING_NAMED, decide
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import explainable

@@ -11,25 +11,20 @@ from er_models.model import Array
 
 from er_model_lab.diagnosis.candidates import (
     Candidate,
-    as_special,
     chosen_among,
     effect_size,
     finished,
-    idle_but,
-    left_as,
     left_without,
     refit,
     refit_all,
     roughly_without,
     screen,
-    size_of,
-    specialised,
     to_the_end,
 )
 from er_model_lab.diagnosis.determined import far, loose, unseen
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
-from er_model_lab.fitting.fit import mean_square, standard_deviations
+from er_model_lab.fitting.fit import standard_deviations
 from er_model_lab.problem.problem import Problem
 
 PAIRS_OF = 6
@@ -66,8 +61,6 @@ to no equation, and no sensor to its noise, so closely that it would decide."""
 PARTS, UNDERRATED = 10, 4.0
 """Parts of the samples, by what the errors of the motion cause there, in which a gain must exceed it, and how much more
 in mean square these errors may cause than the fusion says."""
-OWN = 0.05
-"""Share of what a generalised form changes up to which what its special case has not is next to nothing."""
 NESTED, SAME = 1e-2, 1e-4
 """Mean square of the difference of two forces, over what is left, below which they are nearly, and wholly, the same."""
 
@@ -364,85 +357,6 @@ def far_better(base: Candidate, form: Candidate, able: list[Candidate], limit: f
     """Whether a form is better, far beyond the limit, than all of some candidates that it generalises."""
     names = base.fit.model.catalogue[form.name].generalises
     return all(effect_size(c, form) > FAR_BEYOND * limit for c in able if c.name in names)
-
-
-def as_one(
-    best: Candidate, rounds: list[Round], problem: Problem, rule: Rule
-) -> tuple[Candidate, tuple[str, ...]]:
-    """A model with a generalised form for its special case and all that was added later, and that form's name.
-
-    It leaves no more than those; `rounds` ends with it then.
-
-    It was left out where it gained not far more than its special case. A further effect says that this was not all.
-    """
-    for i, step in enumerate(rounds):
-        taken = step.taken
-        if taken is None or taken.name not in best.effects or best.effects == taken.effects:
-            continue
-        catalogue = taken.fit.model.catalogue
-        forms = [
-            c
-            for c in step.candidates
-            if taken.name in catalogue[c.name].generalises and c.name not in rule.barred
-        ]
-        for form in forms:
-            ended = finished(form, problem) if form.ranked else form
-            if ended.seen <= best.seen and len(ended.effects) < len(best.effects):
-                rounds[i:] = [replace(step, taken=ended, ties=[ended.name])]
-                return ended, (ended.name,)
-    return best, ()
-
-
-def plain(
-    best: Candidate, problem: Problem, limit: float, earned: tuple[str, ...] = ()
-) -> tuple[Candidate, tuple[tuple[str, ...], ...]]:
-    """A fitted model with special cases in place of generalised forms that do not gain far more, and ties with them.
-
-    earned: forms that stand for more than their special case.
-
-    A form that needs next to nothing beyond what its special case has, though that by itself fits worse, is tied with
-    it: a joint that gives way and whose gap is a thousandth of the stroke is a mount that friction stretches. A simple
-    effect that a richer one holds stands in its place where it leaves the same; beside other effects also where
-    it is behind by nothing that counts: the richer one may have done their work before they were there.
-    """
-    catalogue, ties = best.fit.model.catalogue, []
-    for name in best.effects:
-        held = [specialised(best, name, other, problem) for other in _held_in(best, name, problem)]
-        if held:
-            trial = min(held, key=lambda c: c.mse)
-            alike = trial.seen <= (1.0 + SAME) * best.seen
-            if alike or (len(best.effects) > 1 and effect_size(trial, best) <= limit):
-                best = trial
-        for special in catalogue[name].generalises:
-            model = best.fit.model
-            if special in model.effects or name not in model.effects:
-                continue
-            trial = specialised(best, name, special, problem)
-            if name not in earned and effect_size(trial, best) <= FAR_BEYOND * limit:
-                best = trial
-            elif (
-                left_as(best, name, special, problem) - best.seen
-                <= max(limit, OWN * size_of(name, best, problem)) ** 2
-            ):
-                ties.append((name, special))
-    return best, tuple(ties)
-
-
-def _held_in(best: Candidate, name: str, problem: Problem) -> list[str]:
-    """Rivals of fewer parameters that an effect of a model is, once all else of it does nothing.
-
-    Stribeck friction without breakaway is Coulomb friction.
-    """
-    model, found = best.fit.model, list[str]()
-    for other in model.catalogue[name].signature.rivals if name in model.effects else ():
-        shared = {*model.catalogue[other].names}
-        if other in model.effects or not shared < {*model.effects[name]}:
-            continue
-        simple, less = (make(model, name, other) for make in (as_special, idle_but))
-        change = problem.predict(simple) - problem.predict(less)
-        if mean_square(change[problem.train]) < SAME * best.seen:
-            found.append(other)
-    return found
 
 
 def try_pairs(step: Round, problem: Problem, target: float) -> Candidate | None:
