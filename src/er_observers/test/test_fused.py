@@ -8,6 +8,7 @@ import pytest
 
 pytest.importorskip("er_studies", reason="the whole workspace drives them")
 from er_observers.observers import fusion
+from er_observers.observers.pooled import pooled
 from er_observers.observers.status import ALONE, VERDICTS, WRONG, Status
 from er_observers.running import runtime
 from er_observers.running.ready import ready
@@ -143,6 +144,14 @@ def test_both_forces_count_while_they_agree(car, case, agree):
     if not agree:
         assert 3.0 * other < one
         assert np.array_equal(np.array(forces[0])[rows], np.array(fused)[rows])
+
+
+def test_a_filter_without_variance_keeps_its_force(gains):
+    """Rounding may take a covariance to zero and below: what was found stays, and is a number."""
+    w, found = fusion.begin(), (True, 3.0, 1e-3, 0.1)
+    for variance in (0.0, -1e-18):
+        w[fusion.P33] = variance
+        assert pooled(gains.fused, w, found, 5.0, 0.0, 0.0, 0.005) == found
 
 
 def test_the_noise_of_a_velocity_behind_the_band(gains):

@@ -53,6 +53,8 @@ def pooled(
         w[of.DIFFER] = APART
         return found
     fused, own = _variance(p, w), _variance_alone(p, w, dt)
+    if not fused > 0.0:  # the rounding of a filter that knows its force
+        return found
     differ = alone - force
     square = min(differ * differ / (fused + own), FAR)
     w[of.DIFFER] += min(1.0, dt / WINDOW) * (square - w[of.DIFFER])
