@@ -53,7 +53,10 @@ class Normal:
         own = h[self.params :, self.params :]
         scale = weight * float(np.trace(own)) / max(float(np.trace(p)), 1e-300)
         ridge = np.full(own.shape[0], RIDGE * float(np.trace(own)) / max(own.shape[0], 1))
-        out = np.diag(np.concatenate([DAMPED * np.diag(h)[: self.params], ridge]))
+        told = np.diag(h)[: self.params]
+        # of a parameter without effect here, such as one of the field without a duty, nothing is told
+        damped = np.where(told > 0.0, DAMPED * told, 1.0)
+        out = np.diag(np.concatenate([damped, ridge]))
         out[self.params :, self.params :] += scale * p
         return out
 
