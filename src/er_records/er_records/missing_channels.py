@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from er_records.record import Record
 
+NO_DUTY = "no duty channel: taken as 0, effects of the field cannot be seen"
+"""What is said of records without a duty."""
 ACCELEROMETERS = ("sprung_acceleration", "unsprung_acceleration")
 SAME = 1.02
 """Ratio of rates that are one rate."""
@@ -53,5 +55,5 @@ def _lost(r: Record) -> list[str]:
     if not r.has("deflection_velocity") or "deflection_velocity" in r.derived:
         out.append("without a velocity channel its lag and gain cannot be checked")
     if not r.has("duty"):
-        out.append("no duty channel: taken as 0, effects of the field cannot be seen")
+        out.append(NO_DUTY)
     return out

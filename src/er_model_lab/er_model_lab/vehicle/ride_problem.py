@@ -11,6 +11,7 @@ from er_models.model import Array, Model
 from er_models.prediction import Motion
 from er_models.scales import Scales, peak
 from er_records.dataset import Dataset
+from er_records.missing_channels import NO_DUTY
 from er_records.record import Record
 from numpy.typing import NDArray
 
@@ -122,9 +123,12 @@ def _not_used(given: Dataset, data: Measured) -> Iterator[str]:
         having = sum(r.has(c) and c not in r.derived for r in whole)
         if c not in data.names and having:
             yield f"{c} is not used: {len(whole) - having} of {len(whole)} records lack it"
-    driven = sum(r.has(ACTUATOR) for r in whole)
-    if 0 < driven < len(whole):
-        yield f"{ACTUATOR} counts as 0 in {len(whole) - driven} of {len(whole)} records, which lack it"
+    for c in ("duty", ACTUATOR):
+        driven = sum(r.has(c) for r in whole)
+        if 0 < driven < len(whole):
+            yield f"{c} counts as 0 in {len(whole) - driven} of {len(whole)} records, which lack it"
+    if not any(r.has("duty") for r in whole):
+        yield NO_DUTY
 
 
 def _measure(data: Measured) -> str:
@@ -137,9 +141,8 @@ def measured(records: Sequence[Record]) -> Measured:
     if not records:
         raise InputError("data", "", "at least one record", "none")
     dt, why = max(r.dt for r in records), "to simulate the car"
-    for channel in ("road", "duty"):
-        for r in records:
-            r.need(channel, why)
+    for r in records:
+        r.need("road", why)
     names = tuple(c for c in CHANNELS if all(r.has(c) and c not in r.derived for r in records))
     if not names:
         r, (first, *others) = records[0], CHANNELS
@@ -148,15 +151,15 @@ def measured(records: Sequence[Record]) -> Measured:
     outputs = [np.stack([resampled(r, c, dt) for c in names], axis=1) for r in records]
     return Measured(
         dt, names, tuple(resampled(r, "road", dt) for r in records),
-        tuple(resampled(r, "duty", dt) for r in records), tuple(_beside(r, dt) for r in records),
+        tuple(_or_none(r, "duty", dt) for r in records), tuple(_or_none(r, ACTUATOR, dt) for r in records),
         np.concatenate(outputs),
     )  # fmt: skip
 
 
-def _beside(record: Record, dt: float) -> Array:
-    """Force of an actuator beside the damper (n,) [N], none where it was not recorded."""
-    if record.has(ACTUATOR):
-        return resampled(record, ACTUATOR, dt)
+def _or_none(record: Record, channel: str, dt: float) -> Array:
+    """An input of the car (n,), the duty or the force [N] of an actuator beside the damper; 0 where not recorded."""
+    if record.has(channel):
+        return resampled(record, channel, dt)
     return np.zeros(resampled(record, "road", dt).size)
 
 
