@@ -28,10 +28,8 @@ RIGHT: dict[str, tuple[str, ...]] = {
     "void": ("cavitation",),
     "thicken": ("field_viscosity",),
     "stiffen": ("field_stiffness",),
-    "mixed": (
-        "field_exponent",
-        "field_saturation",
-    ),  # bent down it is a saturation in the first order
+    # bent down it is a saturation in the first order
+    "mixed": ("field_exponent", "field_saturation"),
     "saturate": ("field_saturation",),
     "late": ("dead_time",),
     "amplifier": ("amplifier_lag",),

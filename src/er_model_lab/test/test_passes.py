@@ -167,6 +167,16 @@ def test_cards_of_what_a_later_pass_took_come_after_those_of_the_first():
     assert taken_last([first, later], [FIRST, tied]) == (first[0], *later)
 
 
+def passes_of(monkeypatch):
+    """The passes of `improve` over stand-ins: a model is the effects that were found, and has no history."""
+    monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
+    monkeypatch.setattr(improve, "marked", lambda model, _: model)
+    monkeypatch.setattr(improve, "begun", lambda model, *_: model)
+    level = SimpleNamespace(finished=lambda study, _: study.diagnosis.effects)
+    asked = Question(data=None, model=(), level=level, preflight=None)
+    return improve._passes(asked, SimpleNamespace(noted={}, digest=""), "m", None)
+
+
 @pytest.mark.parametrize(("later", "taken"), [(0.9, True), (1.04, True), (1.2, False)])
 def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, later, taken):
     """What the data that are learnt from ask for may be wrong elsewhere: the better model is kept, and it is told.
@@ -198,13 +208,8 @@ def test_a_later_pass_that_makes_held_out_data_worse_is_not_taken(monkeypatch, l
         return next(studies)
 
     monkeypatch.setattr(improve, "investigate", investigate)
-    monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
-    monkeypatch.setattr(improve, "marked", lambda model, _: model)
-    monkeypatch.setattr(improve, "begun", lambda model, *_: model)
     monkeypatch.setattr(improve, "MOST_PASSES", 2)
-    level = SimpleNamespace(finished=lambda study, _: study.diagnosis.effects)
-    asked = Question(data=None, model=(), level=level, preflight=None)
-    made = improve._passes(asked, SimpleNamespace(noted={}, digest=""), "m", None)
+    made = passes_of(monkeypatch)
     second = ("end_stop",) if taken else ()
     assert [s.diagnosis.effects for s in made.studies] == [("preload",), second]
     assert made.model == (second or ("preload",))
@@ -228,12 +233,7 @@ def test_a_pass_does_not_begin_with_what_held_out_data_refused_of_the_one_before
     monkeypatch.setattr(improve, "investigate", investigate)
     monkeypatch.setattr(improve, "weighed", lambda *_, later: (studies["preload",], ()))
     monkeypatch.setattr(improve, "refused", lambda study, rule, given: (rule, ()))
-    monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
-    monkeypatch.setattr(improve, "marked", lambda model, _: model)
-    monkeypatch.setattr(improve, "begun", lambda model, *_: model)
-    level = SimpleNamespace(finished=lambda study, _: study.diagnosis.effects)
-    asked = Question(data=None, model=(), level=level, preflight=None)
-    improve._passes(asked, SimpleNamespace(noted={}, digest=""), "m", None)
+    passes_of(monkeypatch)
     assert [{*r.barred} for r in rules] == [set(), {"remanence"}]
     assert rules[1].small_steps
 
@@ -248,12 +248,7 @@ def test_ctrl_c_while_held_out_data_are_asked_keeps_what_was_found(monkeypatch):
     study = Part(diagnosis=Search(("preload",), fit, (), base=fit))
     monkeypatch.setattr(improve, "investigate", lambda *_: study)
     monkeypatch.setattr(improve, "weighed", asked_of)
-    monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
-    monkeypatch.setattr(improve, "marked", lambda model, _: model)
-    monkeypatch.setattr(improve, "begun", lambda model, *_: model)
-    level = SimpleNamespace(finished=lambda study, _: study.diagnosis.effects)
-    asked = Question(data=None, model=(), level=level, preflight=None)
-    made = improve._passes(asked, SimpleNamespace(noted={}, digest=""), "m", None)
+    made = passes_of(monkeypatch)
     assert made.stopped
     assert made.model == ("preload",)
 
@@ -327,12 +322,7 @@ def test_a_pass_that_was_stopped_with_what_held_out_data_refuse_is_the_last(monk
     monkeypatch.setattr(veto, "instead", lambda *_: pytest.fail("nobody waits for it"))
     monkeypatch.setattr(improve, "refused", lambda study, rule, given: (rule, ()))
     monkeypatch.setattr(improve, "_goes_on", lambda found: later)
-    monkeypatch.setattr(improve, "with_history", lambda best, *_: best)
-    monkeypatch.setattr(improve, "marked", lambda model, _: model)
-    monkeypatch.setattr(improve, "begun", lambda model, *_: model)
-    level = SimpleNamespace(finished=lambda study, _: study.diagnosis.effects)
-    asked = Question(data=None, model=(), level=level, preflight=None)
-    made = improve._passes(asked, SimpleNamespace(noted={}, digest=""), "m", None)
+    made = passes_of(monkeypatch)
     assert (made.stopped, made.model) == (later, ("preload",))
 
 

@@ -39,9 +39,9 @@ def as_one(
             for c in step.candidates
             if taken.name in catalogue[c.name].generalises and c.name not in rule.barred
         ]
-        for form in forms:
+        for form in (c for c in forms if len(c.effects) < len(best.effects)):
             ended = finished(form, problem) if form.ranked else form
-            if ended.seen <= best.seen and len(ended.effects) < len(best.effects):
+            if ended.seen <= best.seen:
                 rounds[i:] = [replace(step, taken=ended, ties=[ended.name])]
                 return ended, (ended.name,)
     return best, ()
@@ -74,10 +74,9 @@ def plain(
             trial = specialised(best, name, special, problem)
             if name not in earned and effect_size(trial, best) <= FAR_BEYOND * limit:
                 best = trial
-            elif (
-                left_as(best, name, special, problem) - best.seen
-                <= max(limit, OWN * size_of(name, best, problem)) ** 2
-            ):
+                continue
+            own = left_as(best, name, special, problem) - best.seen
+            if own <= limit**2 or own <= (OWN * size_of(name, best, problem)) ** 2:
                 ties.append((name, special))
     return best, tuple(ties)
 

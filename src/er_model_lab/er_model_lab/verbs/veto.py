@@ -50,9 +50,8 @@ def vetoed(study: Study, rule: Rule, band: float, least: int = 0) -> tuple[Study
     while len(found.effects) > least:
         held, fewer = set(found.effects), len(found.effects) - 1
         before = next((c for c in taken if {*c.effects} < held and len(c.effects) == fewer), None)
-        says = (
-            against if fewer else rise
-        )  # what promises more than it gives is not worse than nothing
+        # what promises more than it gives is not worse than nothing
+        says = against if fewer else rise
         if before is None or not (said := says(study.problem, before, found.best, band)):
             break
         (last,) = held - {*before.effects}
