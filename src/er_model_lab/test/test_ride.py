@@ -10,6 +10,7 @@ from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.noise_floor import noise_floor
 from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.level.car_outputs import confounded
+from er_model_lab.preflight.usable_channels import use_findings
 from er_model_lab.problem import stretches
 from er_model_lab.problem.held_out import FOLDS
 from er_model_lab.vehicle.ride import SETTLE
@@ -331,6 +332,8 @@ def test_without_a_duty_it_counts_as_none_and_a_note_says_so():
     forces = [p.predict(load_model(CAR)) for p in problems]
     assert np.array_equal(*forces)
     assert [NO_DUTY in p.notes for p in problems] == [True, False]
+    blind = replace(none, channels={k: v for k, v in channels.items() if k != "damper_force"})
+    assert [f.remedy for f in use_findings(blind)] == ["use level='vehicle'"]
 
 
 def test_a_damper_alone_cannot_ride(tmp_path):

@@ -23,7 +23,7 @@ def for_damper(record: Record) -> bool:
 
 def for_vehicle(record: Record) -> bool:
     """Whether the car can be simulated and held against something."""
-    return all(map(record.has, ("road", "duty"))) and any(map(record.has, OUTPUTS))
+    return record.has("road") and any(map(record.has, OUTPUTS))
 
 
 def use_findings(record: Record) -> Iterator[Finding]:
@@ -38,5 +38,5 @@ def use_findings(record: Record) -> Iterator[Finding]:
     yield Finding(
         "channels", level, record.name, lacking, "damper_force, and deflection or deflection_velocity",
         f"only {', '.join(record.channels) or 'the time'}",
-        "use level='vehicle'" if other else "record them, or road and duty for level='vehicle'", record.source,
+        "use level='vehicle'" if other else "record them, or the road for level='vehicle'", record.source,
     )  # fmt: skip
