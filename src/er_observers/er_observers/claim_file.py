@@ -46,10 +46,11 @@ def sections(claim: Claim) -> dict[str, Any]:
 
 
 def _law_section(law: Law) -> dict[str, Any]:
-    """Gains L where they say it all, else the matrices."""
+    """Gains L, and S where the reading takes outputs, where they say it all, else the matrices."""
     rho = [float(v) for v in law.rho]
     if law.is_luenberger:
-        return {"rho": rho, "L": flat(law.J)}
+        reading = {"S": flat(law.S)} if np.any(law.S) else {}
+        return {"rho": rho, "L": flat(law.J), **reading}
     return {"rho": rho, **{name: flat(getattr(law, name)) for name in _MATRICES}}
 
 
@@ -84,7 +85,8 @@ def _law(file: Document, form: LinearForm) -> Law:
     if not np.all(np.diff(rho) > 0.0):
         raise InputError(file.path, "law.rho", "rising duties", list(rho))
     if "L" in file.at("law"):
-        return luenberger(form, rho, file.matrix("law.L", (k, n, m)))
+        S = file.matrix("law.S", (n, m)) if "S" in file.at("law") else None
+        return luenberger(form, rho, file.matrix("law.L", (k, n, m)), S)
     T = file.matrix("law.T", (None, n))
     order = T.shape[0]
     shapes = {"M": (k, order, order), "J": (k, order, m), "R": (n, order), "S": (n, m)}

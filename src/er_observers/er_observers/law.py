@@ -7,8 +7,8 @@ M and J go straight from one of the duties `rho` to the next. With the identitie
 
 .. math::  \zeta' = M \zeta + T B \rho\, d + T D_1 w - J n, \quad x - \hat x = R \zeta - S n
 
-The Luenberger observer (4.5) has T = R = I, S = 0, J = L, M = A - L C; the unified observer (3.4)
-has z = [z, v], M = [N M; P G], J = [J; Q], T = [T; 0], R = [R 0].
+The Luenberger observer (4.5) has T = I, J = L, M = A - L C, R = I - S C, with S = 0 as printed; the
+unified observer (3.4) has z = [z, v], M = [N M; P G], J = [J; Q], T = [T; 0], R = [R 0].
 
 Source: thesis (3.4), (3.8)-(3.14), (4.5).
 """
@@ -43,9 +43,8 @@ class Law:
 
     @property
     def is_luenberger(self) -> bool:
-        """Whether T = R = I and S = 0."""
-        one = np.eye(*self.T.shape)
-        return np.array_equal(self.T, one) and np.array_equal(self.R, one.T) and not np.any(self.S)
+        """Whether T = I: then gains J and reading S say it all, M = A - J C and R = I - S C."""
+        return np.array_equal(self.T, np.eye(*self.T.shape))
 
     def at(self, rho: float) -> tuple[Array, Array]:
         """M (N, N) and J (N, m) at a duty, the ends held beyond them."""
@@ -60,7 +59,9 @@ class Law:
         return np.where(found > 0.0, found, 1.0)
 
     def state(self, x: Array, y: Array, near: Array) -> Array:
-        """The observer's state (N,) with the estimate x (n,) at outputs y (m,), nearest to `near`."""
+        """The observer's state (N,) with the estimate x (n,) at outputs y (m,), nearest to `near`; x where T = I."""
+        if self.is_luenberger:
+            return np.array(x)
         return np.asarray(near + np.linalg.pinv(self.R) @ (x - self.R @ near - self.S @ y))
 
     def residual(self, form: LinearForm, state: Array) -> float:
@@ -80,11 +81,12 @@ class Law:
         return float(max(share.max() for share in shares))
 
 
-def luenberger(form: LinearForm, rho: Array, L: Array) -> Law:
-    """The observer (4.5) with gains L (K, n, m) at the duties rho (K,)."""
+def luenberger(form: LinearForm, rho: Array, L: Array, S: Array | None = None) -> Law:
+    """The observer (4.5) with gains L (K, n, m) at the duties rho (K,); S (n, m): of the reading, None for 0."""
     n, m = form.n, form.C.shape[0]
     M = np.array([form.A - gain @ form.C for gain in L])
-    return Law(np.array(rho, float), M, np.array(L), np.eye(n), np.eye(n), np.zeros((n, m)))
+    S = np.zeros((n, m)) if S is None else S
+    return Law(np.array(rho, float), M, np.array(L), np.eye(n), np.eye(n) - S @ form.C, S)
 
 
 def _row_sizes(rows: Array) -> Array:

@@ -55,13 +55,13 @@ def test_the_middle_of_two_grid_points_is_looked_at(claim: Claim) -> None:
 
 
 def test_the_grid_grows_where_its_middles_ask_for_it(car: Model) -> None:
-    """Three points are not enough for the gains of least variance; the inequalities hold after all."""
+    """Three points are not enough for gains that are free at each; the inequalities hold after all."""
     form, spec = form_of(car), Spec()
     asked = (form, force_output(form), spec, scaling_of(car, form))
-    alone = Claim(*asked, nlpv_gridding.solve(*asked, points=3, calm=True))
+    alone = Claim(*asked, nlpv_gridding.solve(*asked, points=3, degree=None))
     assert gaps(alone) != []
     assert "rho = " in prove(alone)[1]
-    grown = nlpv_gridding.claim(*asked, points=3, calm=True)
+    grown = nlpv_gridding.claim(*asked, points=3, degree=None)
     assert len(grown.solution.law.rho) > 3
     assert gaps(grown) == []
     assert prove(grown)[1] == ""

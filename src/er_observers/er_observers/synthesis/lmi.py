@@ -60,7 +60,7 @@ class Problem:
     family: structure, made of scaled A, C and D1. nodes (K,): duties at which the inequalities are
     asked for. degree: of Y = P Z in the duty, 0: one gain for all, None: free at each node. rate:
     fastest change of the duty [1/s] that a Lyapunov function of the duty must bear; None: one
-    function for all duties. calm: whether the variance of the output counts beside gamma.
+    function for all duties.
     """
 
     theorem: str
@@ -73,7 +73,6 @@ class Problem:
     degree: int | None = None
     rate: float | None = None
     solver: str = SOLVER
-    calm: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,8 +164,7 @@ def _pose(p: Problem) -> _Posed:
         S = P @ family.A11 - Y[k] @ family.A12
         noise = P @ (family.T @ s.W) - (P @ family.B11 - Y[k] @ family.B12) @ s.N
         constraints += _node(p, s, family, v, k, S, noise)
-        if p.calm:
-            _bound_variance(v, P, noise)
+        _bound_variance(v, P, noise)
     return _Posed(s, family, v, Y, constraints)
 
 

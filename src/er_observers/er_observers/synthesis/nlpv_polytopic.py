@@ -22,7 +22,7 @@ from er_models.linear import LinearForm
 
 from er_observers.scaling import Scaling
 from er_observers.synthesis import lmi
-from er_observers.synthesis.family import luenberger_family
+from er_observers.synthesis.family import balanced_family
 from er_observers.synthesis.proof import Claim
 from er_observers.synthesis.spec import Output, Spec
 
@@ -32,7 +32,7 @@ THEOREM = "nlpv_polytopic (Theorem 4.3.1)"
 def problem(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> lmi.Problem:
     """The theorem's inequalities at both ends of the duty's range."""
     nodes = np.array(spec.rho)
-    return lmi.Problem(THEOREM, form, output, spec, scaling, luenberger_family, nodes)
+    return lmi.Problem(THEOREM, form, output, spec, scaling, balanced_family, nodes)
 
 
 def claim(form: LinearForm, output: Output, spec: Spec, scaling: Scaling) -> Claim:

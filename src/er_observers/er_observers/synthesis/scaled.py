@@ -57,7 +57,7 @@ def law_of(s: Scaled, form: LinearForm, family: Family, rho: Array, Z: list[Arra
     z = units(s, family)
     J = rounded(np.array([(family.B11 - g @ family.B12) * z[:, None] / y * rate for g in Z]))
     if z is x:
-        return luenberger(form, rho, J)
+        return luenberger(form, rho, J, rounded(family.S * x[:, None] / y))
     M = np.array([(family.A11 - g @ family.A12) * z[:, None] / z * rate for g in Z])
     T, R, S = family.T * z[:, None] / x, family.R * x[:, None] / z, family.S * x[:, None] / y
     return Law(rho, rounded(M), J, *(rounded(v) for v in (T, R, S)))
