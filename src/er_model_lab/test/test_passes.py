@@ -346,6 +346,24 @@ def test_what_changes_held_out_data_as_much_and_helps_only_those_it_was_fitted_t
     )
 
 
+def test_of_a_car_what_helps_on_held_out_data_is_told_from_all_outputs():
+    """Friction moves a displacement, weighted by its noise, much more than the force that comes first."""
+    train = np.arange(400) < 200
+    problem = SimpleNamespace(train=train, held_out=~train, forward=SimpleNamespace(outputs=2))
+    rough = np.tile([1.2, 8.0], 200) * np.repeat(np.sign(np.sin(np.arange(200.0))), 2)
+
+    def left(residual):
+        fitted = SimpleNamespace(
+            residual=residual, mse=lambda rows: float(np.mean(residual[rows] ** 2))
+        )
+        size = fitted.mse(train)
+        return SimpleNamespace(mse=size, seen=size, fit=fitted)
+
+    assert veto.vain(problem, left(rough), left(0.1 * rough)) == ""
+    turned = np.where(train, 0.1, -1.0) * rough
+    assert "would stay" in veto.vain(problem, left(rough), left(turned))
+
+
 def test_what_is_said_of_held_out_data_beyond_those_learnt_from_is_of_the_last_model():
     first, last = (
         f"the held-out data go beyond those learnt from: {e} N there" for e in (101, 83)

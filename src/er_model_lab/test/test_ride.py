@@ -9,7 +9,10 @@ from er_model_lab.cli.app import app
 from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.noise_floor import noise_floor
 from er_model_lab.diagnosis.null import simulate_null
+from er_model_lab.fitting.envelope import with_unfelt
+from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.level.car_outputs import confounded
+from er_model_lab.preflight.check import findings
 from er_model_lab.preflight.usable_channels import use_findings
 from er_model_lab.problem import stretches
 from er_model_lab.problem.held_out import FOLDS
@@ -131,6 +134,7 @@ def test_with_an_actuator_a_spring_is_fitted_and_friction_beside_the_damper_adde
     one = add(Dataset.of([record]), given, "guide_friction", level="vehicle")
     assert one.model.value("quarter_car", "k_s") == pytest.approx(1396.0, rel=0.01)
     assert one.model.value("guide_friction", "F_g") == pytest.approx(FRICTION["F_g"], rel=0.05)
+    assert one.to_dict()["parameters"]["quarter_car"]["k_s"]["bounds"] == [650.0, 2600.0]
 
 
 def test_where_only_some_records_have_an_actuator_it_counts_as_none_in_the_others():
@@ -334,6 +338,38 @@ def test_without_a_duty_it_counts_as_none_and_a_note_says_so():
     assert [NO_DUTY in p.notes for p in problems] == [True, False]
     blind = replace(none, channels={k: v for k, v in channels.items() if k != "damper_force"})
     assert [f.remedy for f in use_findings(blind)] == ["use level='vehicle'"]
+
+
+def test_an_actuator_whose_force_counts_the_other_way_is_told_before_anything_is_fitted():
+    record = active(seconds=4.0)
+    x = record.channels["deflection"]
+    given = record.channels | {"deflection_velocity": np.gradient(x, DT)}
+
+    def failed(force):
+        channels = given | {"actuator_force": force}
+        return [f for f in findings(replace(record, channels=channels)) if f.level == "fail"]
+
+    assert failed(given["actuator_force"]) == []
+    (fail,) = failed(-given["actuator_force"])
+    assert fail.channel == "actuator_force"
+    assert "sign: -1" in fail.remedy
+    # of a force that a controller makes of the motion alone nobody can tell
+    assert failed(-40.0 * x - 5.0 * given["deflection_velocity"]) == []
+
+
+def test_a_yield_force_without_a_duty_keeps_its_value():
+    """Of the other starts that a search tries none is better, nor worse."""
+    record = active(seconds=4.0)
+    none = replace(record, channels={k: v for k, v in record.channels.items() if k != "duty"})
+    car = load_model(CAR)
+    problem, fitted = open_ride(Dataset.of([none]), car)
+    yielding = {**fitted.model.effects["guo_yield"], "f_c": 1e3 * car.value("guo_yield", "f_c")}
+    moved = replace(fitted, model=fitted.model.with_effect("guo_yield", yielding))
+    found = with_deviations(moved, problem)
+    assert found.value("guo_yield", "f_c") > 1e4
+    kept = with_unfelt(found, car, problem)
+    assert kept.value("guo_yield", "f_c") == car.value("guo_yield", "f_c")
+    assert kept.value("passive", "c0") == found.value("passive", "c0")
 
 
 def test_a_damper_alone_cannot_ride(tmp_path):

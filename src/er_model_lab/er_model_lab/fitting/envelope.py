@@ -20,17 +20,20 @@ NO_DUTY = 1e-3
 
 
 def with_unfelt(found: Model, given: Model, problem: Problem) -> Model:
-    """A fitted model with the given values that lie beyond the data's bounds and that the force does not feel.
+    """A fitted model with the given values that the force does not feel.
 
     Fits begin within the bounds that the data set. A stop at 9 mm would be written as one at 6 mm after a record of
-    3 mm, which tells nothing of it.
+    3 mm, which tells nothing of it. Of a field without a duty a search may have kept any start.
     """
     box = Box(given, problem.forward.free(given), problem.scales, problem.forward.limits)
     begun = box.model_at(box.start())
     felt = UNFELT * problem.scales.force
     for effect, name in box.free:
         value = given.value(effect, name)
-        if effect not in found.effects or begun.value(effect, name) == value:
+        if effect not in found.effects or found.value(effect, name) == value:
+            continue
+        told = np.isfinite(found.deviations.get(effect, {}).get(name, np.inf))
+        if told and begun.value(effect, name) == value:
             continue
         kept = found.with_effect(effect, {**found.effects[effect], name: value})
         if np.max(np.abs(problem.predict(kept) - problem.predict(found))) <= felt:

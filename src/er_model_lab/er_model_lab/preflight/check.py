@@ -98,6 +98,7 @@ def findings(record: Record) -> tuple[Finding, ...]:
         *kinematics.clock_findings(record, known),
         *kinematics.gravity_findings(record),
         *kinematics.power_findings(record),
+        *kinematics.actuator_findings(record),
         *kinematics.road_findings(record),
     ]
     checks = {"held": "no repeats", "clipping": "no flat tops"}

@@ -29,6 +29,8 @@ LATE = 0.25
 """Delay between two channels that is worth a word, in samples."""
 AGAINST = -0.3
 """Correlation of force and velocity below which the sign of one of them is wrong."""
+OWN = 0.2
+"""Share of an actuator's force that the motion does not tell, from which on its sign can be."""
 
 TURNED = "turned"
 ACCELERATION = "sprung_acceleration less unsprung_acceleration"
@@ -254,6 +256,28 @@ def power_findings(record: Record) -> Iterator[Finding]:
             record, "power", "fail", "damper_force", "a force that resists extension to be positive",
             f"a correlation of {float(np.mean(f * v)) / size:.2f} with the velocity: it would drive the motion",
             "turn the sign of the force, or that of the deflection and its velocity",
+        )  # fmt: skip
+
+
+def actuator_findings(record: Record) -> Iterator[Finding]:
+    """An actuator that resists extension draws the body down: one that lifts it, beside spring and damper, is turned.
+
+    Of its force counts what neither deflection nor velocity tells: a controller may make it from these.
+    """
+    needed = ("actuator_force", "sprung_acceleration", "deflection", "deflection_velocity")
+    if not all(record.has(c) for c in needed) or "sprung_acceleration" in record.derived:
+        return
+    force, lift, x, v = (record.channels[c] for c in needed)
+    beside = np.stack([np.ones(x.size), x, v], axis=1)
+    own, left = (y - beside @ np.linalg.lstsq(beside, y, rcond=None)[0] for y in (force, lift))
+    if not np.std(own) > OWN * np.std(force):
+        return
+    together = float(np.mean(own * left) / (np.std(own) * np.std(left) + 1e-300))
+    if together > -AGAINST:
+        yield _finding(
+            record, "power", "fail", "actuator_force", "a force that resists extension to be positive",
+            f"one that lifts the body: a correlation of {together:.2f} with its acceleration",
+            "multiply it by -1 (`sign: -1` in names.yaml)",
         )  # fmt: skip
 
 

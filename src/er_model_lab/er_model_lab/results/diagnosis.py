@@ -55,7 +55,7 @@ def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
             for name, side in floors(problem, found.best.fit.residual, found.floor.first).items()
         },
         "coverage": _coverage(found.coverage),
-        "parameters": estimates(study.model, model_after),
+        "parameters": estimates(study.model, model_after, study.problem.forward.limits),
         "model": model_after.name,
         "notes": [*size, *unlike, *problem.notes],
         "outliers": outliers(study.data.originals, problem.beside),

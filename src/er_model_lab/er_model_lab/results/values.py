@@ -10,6 +10,8 @@ import numpy as np
 from er_models.effect import Param
 from er_models.model import Model
 
+from er_model_lab.problem.forward import Limits
+
 EXACT = 1e-6
 """Share [1] of a bound within which a value is at it: a fit ends there to the last digits, or not at all."""
 
@@ -36,23 +38,27 @@ def parameters(model: Model, effect: str) -> dict[str, list[Any]]:
     return out
 
 
-def estimates(before: Model, after: Model) -> dict[str, dict[str, dict[str, Any]]]:
+def estimates(before: Model, after: Model, limits: Limits) -> dict[str, dict[str, dict[str, Any]]]:
     """Every parameter of a model with its value before (None where it is new), deviation, bounds and unit.
 
-    status: given (not fitted), added, at_bound, not_identified (the data do not determine it: its deviation is as large
-    as such a value is) or identified.
+    limits: bounds [SI] that the fit kept to in place of the catalogue's. status: given (not fitted), added, at_bound,
+    not_identified (the data do not determine it: its deviation is as large as such a value is) or identified.
     """
     return {
         effect: {
-            q.name: _estimate(before, after, effect, q) for q in after.catalogue[effect].parameters
+            q.name: _estimate(before, after, effect, q, limits)
+            for q in after.catalogue[effect].parameters
         }
         for effect in after.effects
     }
 
 
-def _estimate(before: Model, after: Model, effect: str, q: Param) -> dict[str, Any]:
+def _estimate(
+    before: Model, after: Model, effect: str, q: Param, limits: Limits
+) -> dict[str, Any]:
     """One parameter; an additive effect of size 0 is not called bounded."""
-    value, (low, high) = float(after.effects[effect][q.name]), after.bounds(effect, q.name)
+    value = float(after.effects[effect][q.name])
+    low, high = limits.get((effect, q.name)) or after.bounds(effect, q.name)
     sd = after.deviations.get(effect, {}).get(q.name)
     known = effect in before.effects
     at = [math.isclose(value, end, rel_tol=EXACT) for end in (low, high)]

@@ -101,7 +101,8 @@ def drive(model: Model, dt: float, path: Course, starts: Array | None) -> tuple[
         )
         states[i:j], outputs[i:j, :6] = found[: j - i], seen[: j - i]
     outputs[:, 7] = states[:, 2] + path.road[::m]
-    outputs[:, 6] = states[:, 0] + outputs[:, 7]
+    with np.errstate(invalid="ignore"):  # a car that has fallen over
+        outputs[:, 6] = states[:, 0] + outputs[:, 7]
     return states, outputs
 
 

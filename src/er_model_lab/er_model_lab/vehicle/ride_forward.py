@@ -137,9 +137,9 @@ class RideForward:
     def weighted(self, seen: Array) -> Array:
         """Rows (m, n c) of outputs (m, n, 8)."""
         columns = [CHANNELS[name] for name in self.names]
-        return np.asarray(
-            (seen[:, :, columns] * self.weights).reshape(len(seen), self.measured.size)
-        )
+        with np.errstate(over="ignore"):  # a car that has fallen over
+            rows = seen[:, :, columns] * self.weights
+        return np.asarray(rows.reshape(len(seen), self.measured.size))
 
     def settled(self, errors: Array) -> Array:
         """Errors (m, n) less what other starts of the blocks explain.

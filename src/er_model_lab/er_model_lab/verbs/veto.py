@@ -122,16 +122,10 @@ def _band(explained: float, rule: Rule) -> float:
 
 def rise(problem: Problem, before: Candidate, after: Candidate, band: float) -> str:
     """By how much the error on held-out data would rise, in a clause; empty where it rises by no more than a share."""
-    old, new = _held_out(problem, before, after)
+    old, new = (errors(problem, c.fit.residual, problem.held_out).rmse for c in (before, after))
     if new <= (1.0 + band) * old:
         return ""
     return f"the error on held-out data would rise from {old:.3g} N to {new:.3g} N"
-
-
-def _held_out(problem: Problem, before: Candidate, after: Candidate) -> tuple[float, float]:
-    """Error of both on held-out data [N]."""
-    old, new = (errors(problem, c.fit.residual, problem.held_out).rmse for c in (before, after))
-    return old, new
 
 
 def against(problem: Problem, before: Candidate, after: Candidate, band: float) -> str:
@@ -142,11 +136,12 @@ def against(problem: Problem, before: Candidate, after: Candidate, band: float) 
 def vain(problem: Problem, before: Candidate, after: Candidate) -> str:
     """That an effect acts on held-out data as on those it was fitted to, and helps only there; empty where it helps.
 
-    It stands for what differs from record to record and is told by each record itself.
+    It stands for what differs from record to record and is told by each record itself. Of a car all outputs count, as
+    in what an effect promises.
     """
     change = (before.fit.residual - after.fit.residual) ** 2
     here, there = (float(np.mean(change[rows])) for rows in (problem.train, problem.held_out))
-    old, new = _held_out(problem, before, after)
+    old, new = (np.sqrt(c.fit.mse(problem.held_out)) for c in (before, after))
     size = effect_size(before, after)
     promised = size**2 * min(there / max(here, 1e-300), 1.0)
     if size <= 0.0 or there < AS_MUCH * here or old**2 - new**2 >= VAIN * promised:
