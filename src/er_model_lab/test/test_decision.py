@@ -14,7 +14,7 @@ from er_model_lab.diagnosis.candidates import (
     refit,
 )
 from er_model_lab.diagnosis.coverage import coverage
-from er_model_lab.diagnosis.determined import unseen
+from er_model_lab.diagnosis.determined import strange, unseen
 from er_model_lab.diagnosis.investigation import _alternatives, _standing, judge, one_effect
 from er_model_lab.diagnosis.leftover_structure import burst_shares, bursts, filtered
 from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
@@ -45,9 +45,10 @@ from er_model_lab.problem.prepare import prepare
 from er_model_lab.residual.errors import size_notes
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_models.errors import InputError
+from er_models.files import load_model
 from er_records.dataset import Dataset
 from er_records.record import Record
-from lab_help import FORCE_NOISE, asked, imposed, problem_of
+from lab_help import FORCE_NOISE, GUO, asked, imposed, problem_of
 from scipy.signal import lfilter
 
 
@@ -130,6 +131,7 @@ def _alone(monkeypatch, loose=()):
     monkeypatch.setattr(search, "far_better", lambda base, form, able, limit: True)
     monkeypatch.setattr(search, "tied", lambda base, able, problem, limit: able[:1])
     monkeypatch.setattr(search, "loose", lambda candidate, problem: loose)
+    monkeypatch.setattr(search, "strange", lambda candidate: False)
 
 
 def test_small_steps_take_no_effect_whose_values_the_data_do_not_determine(monkeypatch):
@@ -643,3 +645,29 @@ def test_errors_of_the_motion_that_are_larger_than_claimed_are_no_bursts():
     assert bursts(problem, errors, claimed) == 0.0
     elsewhere = errors + 0.4 * seldom() * rng.standard_normal(n)
     assert bursts(problem, elsewhere, claimed) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("sliding", "in_base", "odd"), [(0.0, 0.0, True), (0.5, 0.0, False), (0.0, 0.5, False)]
+)
+def test_a_breakaway_far_above_the_sliding_friction_stands_for_something_else(
+    sliding, in_base, odd
+):
+    """Unless the friction that it breaks away from is in the model already."""
+    values = {"F_c": sliding, "F_s": 2.0, "v_s": 0.03, "v_0": 0.003, "s": 0.0}
+    model = load_model(GUO).with_effect("stribeck_friction", values)
+    if in_base:
+        model = model.with_effect("coulomb_friction", {"F_c": in_base, "v_0": 0.003})
+    candidate = SimpleNamespace(name="stribeck_friction", fit=SimpleNamespace(model=model))
+    assert strange(candidate) is odd
+
+
+def test_what_is_beyond_itself_is_taken_only_where_nothing_else_is_there(monkeypatch):
+    _alone(monkeypatch)
+    monkeypatch.setattr(search, "strange", lambda candidate: candidate.name == "best")
+    problem = SimpleNamespace(train=np.ones(GATE.size, bool), cycles=())
+    best, next_best = leaving(np.full(GATE.size, 0.5)), leaving(np.full(GATE.size, 1.0))
+    best.name, next_best.name = "best", "next"
+    null = replace(ERRORS, least=0.0)
+    for given, taken in (([best, next_best], next_best), ([best], best)):
+        assert search.decided(BEFORE, given, null, problem, RULE).taken is taken

@@ -108,11 +108,12 @@ def work(monkeypatch):
 def test_a_fit_in_longer_steps_settles_where_the_usual_ones_see_the_least_for_less(prepared, work):
     model = load_model(GUO).with_effect("coulomb_friction", {"F_c": 0.3, "v_0": 0.01})
     near = prepared.near(model, prepared.predict(model), ROUGH)
-    rough = fit(model, near, max_iter=2)
+    free = tuple(place for place in near.forward.free(model) if place[1] != "r")
+    rough = fit(model, near, free, max_iter=2)
     work.clear()
     found, less = settled(rough, prepared), sum(work)
     work.clear()
-    whole, all_work = fit(rough.model, prepared), sum(work)
+    whole, all_work = fit(rough.model, prepared, free), sum(work)
     train = prepared.train
     seen = np.mean((prepared.force - prepared.predict(rough.model))[train] ** 2)
     assert seen > 1.005 * whole.mse(train)  # there is something to settle

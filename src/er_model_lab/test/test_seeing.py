@@ -263,7 +263,7 @@ def test_all_parameters_are_told_with_bounds_and_where_they_came_from() -> None:
         "passive": {"k0": 2.0, "c0": 1.0},
         "coulomb_friction": {"F_c": 0.01, "v_0": float("inf")},
     }
-    found = estimates(before, replace(after, effects=effects, deviations=sd))
+    found = estimates(before, replace(after, effects=effects, deviations=sd), {})
     assert set(found) == set(after.effects)
     k0, c0, f_c = found["passive"]["k0"], found["passive"]["c0"], found["coulomb_friction"]["F_c"]
     assert (k0["before"], k0["value"], k0["sd"]) == (before.value("passive", "k0"), 270.0, 2.0)
@@ -273,9 +273,9 @@ def test_all_parameters_are_told_with_bounds_and_where_they_came_from() -> None:
     assert found["coulomb_friction"]["v_0"]["status"] == "not_identified"
     assert found["response"]["tau"]["status"] == "given"
     wide = {"guo_yield": {"k1": 570.0, "c1": 10.0}}
-    vague = estimates(before, replace(after, deviations=wide))["guo_yield"]
+    vague = estimates(before, replace(after, deviations=wide), {})["guo_yield"]
     assert [vague[n]["status"] for n in ("k1", "c1")] == ["not_identified", "identified"]
     car = load_model(GUO.parents[1] / "vehicles" / "inove_quarter_car.yaml")
     fitted = replace(car, deviations={"quarter_car": {"m_us": 1e-3}})
-    masses = estimates(car, fitted)["quarter_car"]
+    masses = estimates(car, fitted, {})["quarter_car"]
     assert [masses[n]["status"] for n in ("m_s", "m_us")] == ["given", "identified"]

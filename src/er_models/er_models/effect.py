@@ -177,6 +177,8 @@ class Effect:
     `dissipative`: without a state of its own, and its force takes energy whatever its parameters. `fluid`: its force is
     carried by the pressure of the fluid (f_h), so that it ends where the fluid cavitates.
     `generalises`: effects that are special cases of it; where both pass, it is named only if it gains far more.
+    `within`: strengths that are at most so many times another one where the effect is what it is called, such as a
+    breakaway and the sliding friction; beyond that it stands for something else.
     `knowable`: whether the channels of a damper can show it at all. One that they cannot show is simulated, and a
     model may hold it, but it is neither fitted, planned for, added nor tried by the diagnosis; `unknowable_because`
     is what the user is told then, and empty else.
@@ -194,6 +196,7 @@ class Effect:
     fluid: bool = False
     initial: Literal["equilibrium", "zero"] = "equilibrium"
     generalises: tuple[str, ...] = ()
+    within: tuple[tuple[str, float, str], ...] = ()
     knowable: bool = True
     unknowable_because: str = ""
     _names: tuple[str, ...] = field(init=False, default=())

@@ -9,7 +9,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
-from math import exp, tanh
+from math import atan, exp, pi, tanh
 from pathlib import Path
 from types import ModuleType
 
@@ -79,7 +79,9 @@ def damper() -> Model:
 def test_generated_source_reads_like_the_equations() -> None:
     text = source(CATALOGUE)
     offset = CATALOGUE.column("coulomb_friction", "F_c")
-    assert f"f_d += p[{offset}] * tanh(v / p[{offset + 1}])  # coulomb_friction" in text
+    sharp, slow = (f"coulomb_friction_force_{name}" for name in ("sharp", "slow"))
+    assert f"{sharp} = tanh(v / p[{offset + 1}])  # coulomb_friction" in text
+    assert f"f_d += p[{offset}] * ({sharp} + {slow})" in text
     assert text.count("_compiled('") == 0
 
 
@@ -294,9 +296,10 @@ def test_kernels_of_two_catalogues_live_side_by_side() -> None:
     assert np.array_equal(halves[0], halves[2])
 
 
-def scaled_friction(F_c: float, v_0: float, v: float) -> float:
+def scaled_friction(F_c: float, v_0: float, r: float, v: float) -> float:
     """Twice the friction force [N]."""
-    return 2.0 * F_c * tanh(v / v_0)
+    sharp = tanh(v / v_0)
+    return 2.0 * F_c * (sharp + r * (2.0 / pi * atan(v / v_0) - sharp))
 
 
 def test_samples_that_may_not_be_written_need_no_compilation_of_their_own() -> None:

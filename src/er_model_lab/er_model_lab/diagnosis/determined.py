@@ -32,6 +32,18 @@ def far(candidate: Candidate) -> bool:
     return False
 
 
+def strange(candidate: Candidate) -> bool:
+    """Whether a strength of the effect added last is beyond what makes it this effect: a breakaway without friction.
+
+    What it is held against may be in another effect of the model, too.
+    """
+    model, name = candidate.fit.model, candidate.name
+    return any(
+        model.value(name, strength) > most * sum(e.get(other, 0.0) for e in model.effects.values())
+        for strength, most, other in model.catalogue[name].within
+    )
+
+
 def unseen(candidate: Candidate, problem: Problem) -> bool:
     """Whether the effect added last is a law of the duty, of which the data hold one value.
 

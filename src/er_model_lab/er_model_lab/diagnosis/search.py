@@ -21,7 +21,7 @@ from er_model_lab.diagnosis.candidates import (
     screen,
     to_the_end,
 )
-from er_model_lab.diagnosis.determined import far, loose, unseen
+from er_model_lab.diagnosis.determined import far, loose, strange, unseen
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.fitting.fit import standard_deviations
@@ -316,6 +316,7 @@ def decided(
         for some in (candidates, able)
     )
     able = _without_refinements(base, able, limit)
+    able = [c for c in able if not strange(c)] or able
     if not able:
         return Round(base, candidates, null, limit, None, [])
     group = tied(base, able, problem, limit)

@@ -88,7 +88,7 @@ def _held_in(best: Candidate, name: str, problem: Problem) -> list[str]:
     """
     model, found = best.fit.model, list[str]()
     for other in model.catalogue[name].signature.rivals if name in model.effects else ():
-        shared = {*model.catalogue[other].names}
+        shared = _plain_names(model, other)
         if other in model.effects or not shared < {*model.effects[name]}:
             continue
         simple, less = (make(model, name, other) for make in (as_special, idle_but))
@@ -96,6 +96,11 @@ def _held_in(best: Candidate, name: str, problem: Problem) -> list[str]:
         if mean_square(change[problem.train]) < SAME * best.seen:
             found.append(other)
     return found
+
+
+def _plain_names(model: Model, effect: str) -> set[str]:
+    """Parameters of an effect, refinements left out."""
+    return {q.name for q in model.catalogue[effect].parameters if not q.optional}
 
 
 def specialised(best: Candidate, name: str, special: str, problem: Problem) -> Candidate:
@@ -114,7 +119,7 @@ def left_as(best: Candidate, name: str, special: str, problem: Problem) -> float
     Infinite where the form does not hold all values of the special case: without the others it is nothing.
     """
     model, effect = best.fit.model, best.fit.model.catalogue[name]
-    if not {*model.catalogue[special].names} <= {*effect.names}:
+    if not _plain_names(model, special) <= {*effect.names}:
         return np.inf
     return fit(idle_but(model, name, special), problem, max_iter=0).mse(problem.train)
 

@@ -65,8 +65,15 @@ class Triangle:
 
 
 def triangle(mimic: Model, problem: Problem, noise: float) -> Triangle:
-    """A mimic's triangle on a problem whose force is the truth's; noise: floor of the force [N]."""
-    found = fit(mimic, problem, max_iter=0)
+    """A mimic's triangle on a problem whose force is the truth's; noise: floor of the force [N].
+
+    Refinements stay as they are: what they can imitate the refits of the best programs say.
+    """
+    known = mimic.catalogue
+    free = tuple(
+        f for f in problem.forward.free(mimic) if not known[f[0]].parameter(f[1]).optional
+    )
+    found = fit(mimic, problem, free, max_iter=0)
     rows = problem.train
     table = np.column_stack([found.jacobian[rows], found.residual[rows]]) / noise
     if not np.isfinite(table).all():

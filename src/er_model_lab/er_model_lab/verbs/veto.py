@@ -141,7 +141,9 @@ def vain(problem: Problem, before: Candidate, after: Candidate) -> str:
     """
     change = (before.fit.residual - after.fit.residual) ** 2
     here, there = (float(np.mean(change[rows])) for rows in (problem.train, problem.held_out))
-    old, new = (np.sqrt(c.fit.mse(problem.held_out)) for c in (before, after))
+    old, new = (
+        float(np.sqrt(np.mean(c.fit.residual[problem.held_out] ** 2))) for c in (before, after)
+    )
     size = effect_size(before, after)
     promised = size**2 * min(there / max(here, 1e-300), 1.0)
     if size <= 0.0 or there < AS_MUCH * here or old**2 - new**2 >= VAIN * promised:

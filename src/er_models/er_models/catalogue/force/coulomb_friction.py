@@ -1,13 +1,18 @@
-"""Coulomb friction of seals and rod guide: F_c tanh(v / v_0)."""
+"""Coulomb friction of seals and rod guide: F_c tanh(v / v_0) where r is 0.
 
-from math import tanh
+Rubber gives before it slides, and the friction rises slowly: F_c (2 / pi) arctan(v / v_0) at 1.
+"""
+
+from math import atan, pi, tanh
 
 from er_models.effect import Effect, Param, Signature
 
 
-def force(F_c: float, v_0: float, v: float) -> float:
+def force(F_c: float, v_0: float, r: float, v: float) -> float:
     """Friction force [N]."""
-    return F_c * tanh(v / v_0)
+    sharp = tanh(v / v_0)
+    slow = r * (2.0 / pi * atan(v / v_0) - sharp) if r != 0.0 else 0.0
+    return F_c * (sharp + slow)
 
 
 EFFECT = Effect(
@@ -19,6 +24,7 @@ EFFECT = Effect(
     parameters=(
         Param("F_c", "N", 0.0, 2.0, 0.0, (0.05,), "sliding friction"),
         Param("v_0", "m/s", 0.002, 0.15, None, (0.02,), "width of the reversal"),
+        Param("r", "1", 0.0, 1.0, 0.0, (0.0, 0.5), "how slowly it rises", optional=True),
     ),
     hooks={"force": force},
     signature=Signature(

@@ -39,4 +39,5 @@ EFFECT = Effect(
     source="Stribeck 1902; Hess and Soom 1990; Armstrong-Helouvry, Dupont and Canudas de Wit 1994, whose table 1 "
     "has the exponents",
     dissipative=True,
+    within=(("F_s", 7.0, "F_c"),),
 )

@@ -1,4 +1,4 @@
-"""Friction of the wheel's guide between the masses, beside the damper: F_g tanh(v / v_0) where s is 0.
+"""Friction of the wheel's guide between the masses, beside the damper: F_g tanh(v / v_0) where r is 0.
 
 Bushings and ball joints give before they slide, and the friction rises slowly: F_g (2 / pi) arctan(v / v_0) at 1.
 """
@@ -8,10 +8,11 @@ from math import atan, pi, tanh
 from er_models.effect import Effect, Param, Signature
 
 
-def spring_force(F_g: float, v_0: float, s: float, v: float) -> float:
+def spring_force(F_g: float, v_0: float, r: float, v: float) -> float:
     """Friction force between body and wheel [N]."""
     sharp = tanh(v / v_0)
-    return F_g * (sharp + s * (2.0 / pi * atan(v / v_0) - sharp))
+    slow = r * (2.0 / pi * atan(v / v_0) - sharp) if r != 0.0 else 0.0
+    return F_g * (sharp + slow)
 
 
 EFFECT = Effect(
@@ -26,7 +27,7 @@ EFFECT = Effect(
     parameters=(
         Param("F_g", "N", 0.0, 2.0, 0.0, (0.05,), "sliding friction"),
         Param("v_0", "m/s", 0.002, 0.15, None, (0.02,), "width of the reversal"),
-        Param("s", "1", 0.0, 1.0, 0.0, (0.5,), "how slowly it rises", optional=True),
+        Param("r", "1", 0.0, 1.0, 0.0, (0.5,), "how slowly it rises", optional=True),
     ),
     hooks={"spring_force": spring_force},
     signature=Signature(
