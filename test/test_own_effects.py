@@ -233,6 +233,7 @@ MISTAKES = {
     "signal of elsewhere": (HOOK, HOOK.replace("u:", "z_t:"), f"{NAME}.sense", "'z_t'"),
     "own state of none": (HOOK, HOOK.replace("u:", "w:"), f"{NAME}.sense", "'w'"),
     "unknown hook": ('{"sense": sense}', '{"sensing": sense}', "unknown hook 'sensing'"),
+    "unknown strength": ('{"sense": sense}', '{"sense": sense}, within=(("K", 2.0, "Q"),)', "within", "'Q'"),
     "clash": (f'"{NAME}"', '"preload"', "no other effect has", "preload"),
     "bad name": (f'"{NAME}"', '"cross talk"', "letters, digits and _"),
     "bad stage": ('"sensing"', '"sensor"', "one of force", "'sensor'"),

@@ -208,6 +208,9 @@ class Effect:
             if region not in REGIONS:
                 known = ", ".join(REGIONS)
                 raise ValueError(f"{self.name}: unknown region '{region}', known: {known}")
+        for strength, _, other in self.within:
+            if not {strength, other} <= {*names}:
+                raise ValueError(f"{self.name}.within: '{strength}', '{other}' are no parameters")
         for hook, function in self.hooks.items():
             if hook not in HOOKS:
                 raise ValueError(f"{self.name}: unknown hook '{hook}', known: {', '.join(HOOKS)}")
