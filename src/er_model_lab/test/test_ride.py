@@ -220,6 +220,15 @@ def test_a_known_car_comes_back_with_its_deviations(opened):
     assert model.value("quarter_car", "m_s") == truth.value("quarter_car", "m_s")
 
 
+def test_a_car_that_is_another_one_is_told():
+    car = load_model(CAR)
+    masses = {**car.effects["quarter_car"], "m_us": 0.4 * car.value("quarter_car", "m_us")}
+    data, other = Dataset.of([ride(seconds=6.0)]), car.with_effect("quarter_car", masses)
+    said = "m_us ends at 0.2 kg, twice what the model gives"
+    assert [said in n for n in open_ride(data, other)[0].notes[:1]] == [True]
+    assert not any("ends at" in n for n in open_ride(data, car)[0].notes)
+
+
 def test_two_springs_are_one_where_the_force_is_not_measured(opened):
     problem, fitted = opened
     assert confounded(fitted, problem) == []

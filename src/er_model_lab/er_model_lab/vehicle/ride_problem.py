@@ -22,7 +22,7 @@ from er_model_lab.problem.held_out import FOLDS, TO_FIT, TO_HOLD_OUT, split
 from er_model_lab.problem.prepare import resampled, without_weight
 from er_model_lab.problem.problem import Problem
 from er_model_lab.vehicle.ride import CHANNELS, SETTLE, Course, course, drive
-from er_model_lab.vehicle.ride_forward import RideForward, with_starts
+from er_model_lab.vehicle.ride_forward import CAR, RideForward, with_starts
 from er_model_lab.work import HERE, Work
 
 ROADS = {
@@ -71,7 +71,21 @@ def open_ride(given: Dataset, model: Model, work: Work = HERE) -> tuple[Problem,
         (problem, fit(fitted.model, problem))
         for problem in _on_roads(given, data, again, fitted.model, work)
     ]
-    return min(found, key=lambda pf: pf[1].mse(pf[0].train))
+    problem, fitted = min(found, key=lambda pf: pf[1].mse(pf[0].train))
+    return replace(problem, notes=(*_another_car(fitted, model), *problem.notes)), fitted
+
+
+def _another_car(fitted: Fit, given: Model) -> Iterator[str]:
+    """That a value of the car ends as far from the given one as it may: the model may be that of another car."""
+    for (effect, name), at_bound in zip(fitted.free, fitted.at_bound, strict=True):
+        if at_bound and effect == "quarter_car" and name in CAR:
+            before, after = (m.value(effect, name) for m in (given, fitted.model))
+            far = "half" if after < before else "twice"
+            unit = given.catalogue[effect].parameter(name).unit
+            yield (
+                f"{name} ends at {after:.4g} {unit}, {far} what the model gives and as far as it may go: begin with "
+                "values that were measured on this car"
+            )
 
 
 def ride_as_given(given: Dataset, model: Model) -> tuple[Problem, Array]:
