@@ -304,7 +304,11 @@ def record(args: Sequence[str] | None = None) -> int:
 
 def main() -> None:
     """Entry point of the executable."""
-    sys.exit(record())
+    status = record()
+    # the wish to stop may arrive again while the interpreter is taken down
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
+    sys.exit(status)
 
 
 if __name__ == "__main__":
