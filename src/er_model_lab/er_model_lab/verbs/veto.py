@@ -11,6 +11,7 @@ from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.investigation import judge
 from er_model_lab.diagnosis.rule import Rule
 from er_model_lab.diagnosis.search import afresh, decided
+from er_model_lab.fitting.fit import mean_square
 from er_model_lab.fitting.velocity_channel import restored
 from er_model_lab.level.study import Study
 from er_model_lab.problem.problem import Problem
@@ -141,9 +142,7 @@ def vain(problem: Problem, before: Candidate, after: Candidate) -> str:
     """
     change = (before.fit.residual - after.fit.residual) ** 2
     here, there = (float(np.mean(change[rows])) for rows in (problem.train, problem.held_out))
-    old, new = (
-        float(np.sqrt(np.mean(c.fit.residual[problem.held_out] ** 2))) for c in (before, after)
-    )
+    old, new = (np.sqrt(mean_square(c.fit.residual[problem.held_out])) for c in (before, after))
     size = effect_size(before, after)
     promised = size**2 * min(there / max(here, 1e-300), 1.0)
     if size <= 0.0 or there < AS_MUCH * here or old**2 - new**2 >= VAIN * promised:

@@ -7,7 +7,7 @@ Theorem 4.3.1, with the sector q of the gate as a parameter. For the system
 
 has a stable error for every rho(t) in [rho_1, rho_2], and an L2 gain below gamma from the weighted
 (w, n) to H e, if there are P > 0, Y_i and l_i > 0 with the inequalities of `lmi` (A11 = A, A12 = C,
-T = R = I, S = 0) at both ends; then L_i = P^{-1} Y_i, and L(rho) goes straight from L_1 to L_2. Each
+T = I, R = I - S C; S: `family`) at both ends; then L_i = P^{-1} Y_i, and L(rho) goes straight from L_1 to L_2. Each
 inequality is affine in rho, so the ends are enough, even with a multiplier l_i of their own. With
 q = (1, 0, -1), the Lipschitz bound, this is (4.12) as printed; with q = (0, 1, -2), the slope
 restriction, it has solutions where (4.12) has none.
