@@ -52,10 +52,18 @@ def write(root: Path, folder: str, factor: float = 2.0, shift: float = 1.0) -> N
 
 
 def outcome(root: Path, package: str = "small") -> tuple[float, int]:
-    """What the package's function gives in a process of its own, and how many functions that compiled."""
+    """What the package's function gives in a process of its own, and how many functions that compiled.
+
+    Python takes bytecode for that of its source by size and whole second: a file written twice in one would be old.
+    """
+    places = {
+        "ER_CACHE_DIR": str(root / "cache"),
+        "PYTHONPATH": paths(root),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM.format(package=package)], capture_output=True, text=True, check=True,
-        env=os.environ | {"ER_CACHE_DIR": str(root / "cache"), "PYTHONPATH": paths(root)},
+        env=os.environ | places,
     )  # fmt: skip
     assert done.stderr == ""
     value, compiled = done.stdout.split()
