@@ -10,7 +10,7 @@ import numpy as np
 
 from er_models.errors import InputError
 from er_models.kernel.load import kernel
-from er_models.kernel.states import ROWS
+from er_models.kernel.rows import ROWS
 from er_models.model import Array, Compiled, Model
 from er_models.prediction import substeps
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from er_models.kernel.load import kernel
-from er_models.kernel.states import ROWS, G, R, W
+from er_models.kernel.rows import ROWS, G, R, W
 from er_models.model import Array, Model
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from er_models.kernel.load import kernel
-from er_models.kernel.states import ROWS, W0, W
+from er_models.kernel.rows import ROWS, W0, W
 from er_models.model import Array, Model
 from er_models.prediction import Motion
 from er_models.rhs import damper_rate, vehicle_point, vehicle_points

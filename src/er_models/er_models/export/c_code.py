@@ -24,10 +24,12 @@ from er_models.errors import InputError
 from er_models.export.translate import Program
 from er_models.export.values import KEYWORDS, Source, Value, number, source_of, struct
 from er_models.files import write_whole
+from er_models.kernel import rows as kernel_rows
 from er_models.kernel.compose import source
 from er_models.kernel.inputs import ROUNDING
 from er_models.kernel.order import reads
-from er_models.kernel.states import HOLD, ROWS
+from er_models.kernel.rows import ROWS
+from er_models.kernel.states import HOLD
 from er_models.model import Model
 from er_models.prediction import SUBSTEP
 from er_models.version import __version__
@@ -199,11 +201,7 @@ class CCode:
     @cached_property
     def _rows(self) -> list[str]:
         """Names of the rows of the states, in order."""
-        rows = {
-            v: k
-            for k, v in self._names.items()
-            if k.isupper() and type(v) is int and k in _ROW_NAMES
-        }
+        rows = {v: k for k, v in vars(kernel_rows).items() if k.isupper()}
         return [rows[i] for i in range(ROWS)]
 
     def _program(self) -> Program:
@@ -232,12 +230,6 @@ class CCode:
         c = self.damper.catalogue
         members = {c.column(s.effect.name, s.param.name): s.member for s in self.slots}
         return [f"{{p}}->{members[i]}" if i in members else "0.0" for i in range(c.size)]
-
-
-_ROW_NAMES = (
-    "W0", "R0", "G0", "W", "R", "G", "TRY", "LAST", "MISS", "LOW", "HIGH", "SLOPE", "Z", "DECAY", "ONE", "TWO",
-)  # fmt: skip
-"""Names of the rows of the states in the kernel."""
 
 
 def _told(slot: Slot) -> str:

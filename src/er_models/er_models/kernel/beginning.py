@@ -41,7 +41,8 @@ from er_models.kernel.imposed import (
     predict,
 )
 from er_models.kernel.layout import CAUGHT, HEAT, SLIDES, ZERO
-from er_models.kernel.states import AT_ONCE, ROWS, R, W
+from er_models.kernel.rows import ROWS, R, W
+from er_models.kernel.states import AT_ONCE
 
 # --- below this line: compiled with the composed equations ---
 BEYOND_MEASURE = 1e100

@@ -16,8 +16,9 @@ import numpy as np
 from er_models.kernel.fast import entry, inner
 from er_models.kernel.imposed import input_delay
 from er_models.kernel.inputs import split
+from er_models.kernel.rows import ROWS, SLOPE, W0, W
 from er_models.kernel.sensors import remember_force, remember_velocity, report
-from er_models.kernel.states import HOLD, ROWS, SLOPE, W0, W, visit
+from er_models.kernel.states import HOLD, visit
 from er_models.kernel.vehicle import AGAIN, GAMMA, chassis, duty_at, stage
 
 # --- below this line: compiled with the composed equations ---

@@ -27,7 +27,9 @@ from er_models.kernel.order import relaxes_at
 
 OF_FIELD = {"y": "u", "f_y": "u_f", "tau_scale": "u_f_scale"}
 """What the equations of the response see where the duty whose chains have formed follows the duty."""
-PARTS = ("states", "inputs", "imposed", "beginning", "following", "sensors", "vehicle", "car")
+PARTS = (
+    "rows", "search", "states", "inputs", "imposed", "beginning", "following", "sensors", "vehicle", "car",
+)  # fmt: skip
 _OURS = re.compile(r"^from (er_models\.\S+) import", re.MULTILINE)
 _MARK = "# --- below this line: compiled with the composed equations ---\n"
 
@@ -238,6 +240,7 @@ def _end(catalogue: Catalogue) -> list[str]:
         _terms(catalogue) + _lines(catalogue, "limit", "f_d = {call}") + _states(catalogue, "late")
     )
     lines += ["    f_m = f_d", *_lines(catalogue, "sense", "f_m = {call}")]
+    lines += [f"    s[SPEED, {catalogue.rest}] = v"]
     lines += [f"    s[W, {catalogue.rest}] = f_d - k_0 * x - c_0 * v"]
     return ["    f_m = f_d", *_run(catalogue, "end", lines)]
 

@@ -14,23 +14,8 @@ from er_models.kernel.elementary import exp
 from er_models.kernel.fast import entry, inline, inner, once
 from er_models.kernel.inputs import at, cubic, delayed, split
 from er_models.kernel.layout import CAUGHT, HEAT, SLIDES
-from er_models.kernel.states import (
-    AT_ONCE,
-    DECAY,
-    HOLD,
-    ONE,
-    ROWS,
-    SLOPE,
-    W0,
-    G,
-    R,
-    W,
-    Z,
-    keep,
-    settle,
-    solve,
-    visit,
-)
+from er_models.kernel.rows import DECAY, ONE, ROWS, SLOPE, W0, G, R, W, Z
+from er_models.kernel.states import AT_ONCE, HOLD, keep, settle, solve, visit
 
 
 def input_delay(on, p):  # type: ignore[no-untyped-def]

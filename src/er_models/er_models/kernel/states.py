@@ -7,8 +7,8 @@ follows its equilibrium, and one look at the equations per step is enough. Insid
 the same step is one implicit stage (`kernel.vehicle`).
 
 The composed `damper` updates each state where the equations first need it, so that a chain of
-states is solved in one pass. States that feed back (`Compiled.links`) are found by a bracketed
-secant, each in its own coordinate.
+states is solved in one pass. States that feed back (`Compiled.links`) are found by the search of
+`kernel.search`.
 
 The text below the marker is compiled together with the equations of a catalogue
 (`kernel.compose`).
@@ -22,6 +22,8 @@ from er_models.effect import INSTANT
 from er_models.kernel.elementary import exp
 from er_models.kernel.fast import inline, inner, linked, once
 from er_models.kernel.layout import HEAT, ZERO
+from er_models.kernel.rows import DECAY, G0, ONE, R0, ROWS, TWO, W0, G, R, W, Z
+from er_models.kernel.search import begin, refined
 
 
 def damper(on, p, s, h, how, x, v, a, u, t, theta):  # type: ignore[no-untyped-def]
@@ -30,10 +32,6 @@ def damper(on, p, s, h, how, x, v, a, u, t, theta):  # type: ignore[no-untyped-d
 
 
 # --- below this line: compiled with the composed equations ---
-ROWS = 16
-W0, R0, G0, W, R, G, TRY, LAST, MISS, LOW, HIGH, SLOPE, Z, DECAY, ONE, TWO = range(ROWS)
-"""Rows of the workspace s (ROWS, n_states): state, rate and drive at the left end of the step; the same at its right
-end; what the search for the states that feed back needs; and the weights last used, which a constant rate keeps."""
 HOLD, STAGE, SETTLE = 0.0, 1.0, 2.0
 """How a step is taken: first-order hold, one implicit stage, or all the way to equilibrium."""
 AT_ONCE = 0.999 * INSTANT
@@ -44,12 +42,6 @@ STIFF = 0.5
 """Rate times step from which a state mostly forgets where it was."""
 PASSES = 40
 """Looks at the damper after which the search gives up: a jump in an equation has no better answer."""
-PATIENCE = 6
-"""Looks after which every other trial halves the bracket."""
-FARTHEST = 1e50
-"""Beyond this a state is no number."""
-CLOSE = 1e-10
-"""Relative error of a state that feeds back."""
 SWEEPS = 9
 """How often the damper is swept to find where its states begin."""
 RESTING = -1.0
@@ -191,75 +183,6 @@ def solve(on, links, p, s, h, how, x, v, a, u, t, theta):
 def visit(on, links, p, s, h, how, x, v, a, u, t, theta):
     """As `solve`, called instead of written into its place: where compiling once more would cost more than the call."""
     return solve(on, links, p, s, h, how, x, v, a, u, t, theta)
-
-
-@inner
-def begin(links, s):
-    """Start the search where the states are."""
-    for i in range(links.shape[0]):
-        j = links[i]
-        s[TRY, j] = s[W, j]
-        s[MISS, j] = 0.0
-        s[LOW, j] = -math.inf
-        s[HIGH, j] = math.inf
-
-
-@inner
-def refined(links, s, k, force):
-    """Whether every state that feeds back agrees with what follows from it; if not, the next trial is set.
-
-    The rest of the force, the last state, is a difference: it is known as well as the force itself [N], no better.
-    Trials that lead beyond measure are no side of a bracket: the search begins anew, halfway back to where they were.
-    """
-    worst = 0.0
-    for i in range(links.shape[0]):
-        j = links[i]
-        if not abs(s[W, j]) < FARTHEST:
-            again(links, s)
-            return False
-        size = abs(s[W, j]) + abs(s[W0, j])
-        if j == s.shape[1] - 1:
-            size += abs(force)
-        worst = max(worst, abs(s[W, j] - s[TRY, j]) - CLOSE * size)
-    if not worst > 0.0:
-        return True
-    for i in range(links.shape[0]):
-        next_trial(s, links[i], k >= PATIENCE and k % 2 == 0)
-    return False
-
-
-@inner
-def again(links, s):
-    """Begin the search anew, nearer to where the states were before the step."""
-    for i in range(links.shape[0]):
-        j = links[i]
-        s[W, j] = 0.5 * (s[W0, j] + s[TRY, j])
-        s[SLOPE, j] = 0.0
-    begin(links, s)
-
-
-@inner
-def next_trial(s, j, halve):
-    """Secant towards the trial that follows from itself, kept between those seen on both sides of it.
-
-    halve: take the middle instead, for where the secant creeps along a saturation.
-    """
-    at, miss = s[TRY, j], s[W, j] - s[TRY, j]
-    if miss > 0.0:
-        s[LOW, j] = at
-    elif miss < 0.0:
-        s[HIGH, j] = at
-    if s[MISS, j] != 0.0 and at != s[LAST, j]:
-        s[SLOPE, j] = min((miss - s[MISS, j]) / (at - s[LAST, j]), -0.02)
-    if s[SLOPE, j] == 0.0:
-        s[SLOPE, j] = -1.0
-    s[LAST, j], s[MISS, j] = at, miss
-    trial = at - miss / s[SLOPE, j]
-    both = s[LOW, j] > -math.inf and s[HIGH, j] < math.inf
-    if (halve and both) or not s[LOW, j] <= trial <= s[HIGH, j]:
-        trial = 0.5 * (s[LOW, j] + s[HIGH, j]) if both else at + miss
-    s[TRY, j] = trial
-    s[W, j] = trial
 
 
 @inline

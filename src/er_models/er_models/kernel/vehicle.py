@@ -18,8 +18,9 @@ import numpy as np
 from er_models.kernel.fast import entry, inline, inner
 from er_models.kernel.imposed import input_delay
 from er_models.kernel.inputs import split
+from er_models.kernel.rows import ROWS, SLOPE, W0, G, R, W
 from er_models.kernel.sensors import accelerometers, remember_force, remember_velocity, report
-from er_models.kernel.states import HOLD, ROWS, SLOPE, STAGE, W0, G, R, W, settle, visit
+from er_models.kernel.states import HOLD, STAGE, settle, visit
 
 
 def chassis(on, p, x, v, z_t, v_t, v_s):  # type: ignore[no-untyped-def]
