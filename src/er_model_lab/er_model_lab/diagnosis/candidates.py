@@ -29,6 +29,7 @@ from er_model_lab.diagnosis.starts import (
 )
 from er_model_lab.fitting.fit import (
     FIRST_ITERATIONS,
+    LOOKS,
     Fit,
     about,
     cross_validated,
@@ -259,7 +260,9 @@ def _fitted_with(
         max_iter = 0
 
     def begun(grown: Model, known: Array | None = base.fit.jacobian, most: int = max_iter) -> Fit:
-        return fit(grown, problem, known=known, target=target, max_iter=most, sketch=sketch)
+        return fit(
+            grown, problem, known=known, target=target, max_iter=most, sketch=sketch, looks=LOOKS
+        )
 
     def grown(values: Values) -> Model:
         return base.fit.model.with_effect(effect.name, values)

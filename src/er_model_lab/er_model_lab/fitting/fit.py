@@ -29,6 +29,8 @@ DAMPINGS = (0.1, 1.0, 10.0)
 """Multiples of the damping that are tried at once."""
 AWAY = 2e-3
 """Share by which the mean square in longer steps may differ from the true one where a fit ends."""
+LOOKS = 3
+"""Ways in longer steps, each near where the one before it ended, of a fit that is only to be ranked."""
 SETTLING = 3
 """Most steps of a fit that settles with the derivatives it has."""
 DAMPED = 1e-3
@@ -123,13 +125,16 @@ def fit(
     max_iter: int = 20,
     tol: float = 1e-4,
     sketch: bool = False,
+    looks: int = 1,
 ) -> Fit:
     """Fit the free parameters (all by default) to the training samples, from the model's values.
 
     known (n, k): derivatives by the first k free parameters near the start, from the model before it
     grew; they serve the first step, and the last too where an effect turns out to change nothing. target: mean
     square [N2] that this first step must reach, or no more is done. What the problem has noted is not fitted again.
-    sketch: nobody asks for the derivatives at the end, which cost as much as the way there.
+    sketch: nobody asks for the derivatives at the end, which cost as much as the way there. looks: ways in longer
+    steps before one in the usual ones; where the second or a later one leads to the end, that counts as a fit whose
+    iterations were used up.
     """
     forward = problem.forward
     box = Box(
@@ -138,15 +143,15 @@ def fit(
     start = box.start()
     f = problem.predict(box.model_at(start))
     if problem.noted is None:
-        return _fitted(box, start, f, problem, known, target, max_iter, tol, sketch)[0]
+        return _fitted(box, start, f, problem, known, target, max_iter, tol, sketch, looks)[0]
     begun = key(
         (start, box.scale, box.low, box.high, f, problem.force, problem.fold, known),
-        (box.free, target, max_iter, tol, sketch),
+        (box.free, target, max_iter, tol, sketch, looks),
     )
     if begun in problem.noted:
         return _again(problem.noted[begun], box, start, f, problem, known, sketch)
     found, problem.noted[begun] = _fitted(
-        box, start, f, problem, known, target, max_iter, tol, sketch
+        box, start, f, problem, known, target, max_iter, tol, sketch, looks
     )
     return found
 
@@ -171,13 +176,13 @@ class _Leg:
 
 def _fitted(
     box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float, max_iter: int, tol: float,
-    sketch: bool,
+    sketch: bool, looks: int,
 ) -> tuple[Fit, Noted]:  # fmt: skip
     """A fit from scaled values theta (p,), where the prediction is f (n,), and what makes it again."""
     near = problem.near(box.model_at(theta), f)
     leg = _leg(box, theta, f, near, known, target, max_iter, tol, sketch)
     if near.forward is not problem.forward:
-        leg = _ended(leg, box, theta, f, problem, known, target, max_iter, tol, sketch)
+        leg = _ended(leg, box, theta, f, problem, known, target, max_iter, tol, sketch, looks)
     note = Noted(leg.theta.tolist(), leg.at.tolist(), leg.exact, leg.rounds, leg.about.tolist())
     columns = _none(leg.theta) if sketch else _columns(leg.jacobian, None if leg.exact else known)
     return _made(box, leg.theta, leg.f, columns, leg.rounds, problem), note
@@ -185,17 +190,24 @@ def _fitted(
 
 def _ended(
     coarse: _Leg, box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float,
-    max_iter: int, tol: float, sketch: bool,
+    max_iter: int, tol: float, sketch: bool, looks: int,
 ) -> _Leg:  # fmt: skip
     """A way from theta (p,) in longer steps, on to its end in the usual ones where these see another mean square."""
-    begun, found = theta, problem.predict(box.model_at(coarse.theta))
-    true, better = _cost(found, problem), _cost(found, problem) < _cost(f, problem)
-    if better:
-        theta, f, known = coarse.theta, found, coarse.jacobian
-    taken = replace(coarse, theta=theta, f=f, about=begun)
-    early = (better and coarse.rounds >= max_iter) or (coarse.cost > target and not coarse.exact)
-    if early or abs(true - coarse.cost) <= AWAY * coarse.cost:
-        return taken
+    for look in range(looks):
+        begun, found = theta, problem.predict(box.model_at(coarse.theta))
+        true, better = _cost(found, problem), _cost(found, problem) < _cost(f, problem)
+        if better:
+            theta, f, known = coarse.theta, found, coarse.jacobian
+        taken = replace(coarse, theta=theta, f=f, about=begun)
+        early = (better and coarse.rounds >= max_iter) or (
+            coarse.cost > target and not coarse.exact
+        )
+        if early or abs(true - coarse.cost) <= AWAY * coarse.cost:
+            return replace(taken, rounds=max(taken.rounds, max_iter)) if look else taken
+        if not better or look + 1 == looks:
+            break
+        near = problem.near(box.model_at(theta), f)
+        coarse = _leg(box, theta, f, near, known, target, max_iter, tol, sketch)
     last = _leg(box, theta, f, problem, known, target, max_iter, tol, sketch)
     if last.exact:
         return last
