@@ -341,6 +341,20 @@ def test_a_rival_far_behind_is_no_tie_and_never_told_first(friction):
     assert (len(within), len(beyond)) == (2, 2)
 
 
+def test_a_simpler_rival_is_told_after_one_that_leaves_plainly_less(friction):
+    """A brake behind a gap that leaves the noise, beside a joint that leaves twice as much of it in every second."""
+    _, (best, plain, *_), problem = friction
+    base = scaled_by(20.0, best, problem)
+    first = {}
+    for factor in (1.1, 1.2):
+        rival = scaled_by(factor, best, problem)
+        rival = replace(rival, fit=plain.fit, effects=plain.effects)
+        near = tied(base, [best, rival], problem, limit=float(np.sqrt(rival.mse - best.mse)) / 1.4)
+        assert len(near) == 2
+        first[factor] = near[0].name
+    assert first == {1.1: "coulomb_friction", 1.2: "stribeck_friction"}
+
+
 def test_a_friction_that_the_field_may_raise_is_no_law_of_the_duty():
     model, still = problem_of(None, {}, seed=3)
     steady = replace(still, motion=replace(still.motion, u=np.zeros(still.motion.n)))

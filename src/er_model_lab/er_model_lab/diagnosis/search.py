@@ -58,6 +58,8 @@ FORM, TWIN, SPARE = 0.997, 0.99, 1.5
 """Shares of the best one's effect size that a form of fewer parameters, which is named first then, and one of as many
 have, and the most by which either is behind, over what counts as an effect, where the two are tied: what is real keeps
 to no equation, and no sensor to its noise, so closely that it would decide."""
+NOTED = 1.15
+"""Times what the best candidate leaves, from which on one that is tied with it is told after it."""
 PARTS, UNDERRATED = 10, 4.0
 """Parts of the samples, by what the errors of the motion cause there, in which a gain must exceed it, and how much more
 in mean square these errors may cause than the fusion says."""
@@ -194,8 +196,9 @@ def tied(
 ) -> list[Candidate]:
     """Candidates the data cannot tell from the best one, in the order in which they are told.
 
-    A law of the duty comes last where the duty never changes. Those whose values the data determine come first,
-    then those that are not far from doing nothing, then those that leave little more than the best, then the simplest.
+    A law of the duty comes last where the duty never changes. Those whose values the data determine come first, then
+    those that are not plainly worse, those that are not far from doing nothing, those that leave little more than the
+    best, and the simplest.
 
     A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within `SURE`
     and too small to count as an effect of its own. A difference that would count, in several blocks and nowhere the
@@ -231,12 +234,23 @@ def tied(
         key=lambda c: (
             unseen(c, problem),
             c.name in unsure,
+            plainly_worse(c, best, problem),
             far(c),
             behind(c) > FAR_BEYOND * limit,
             *complexity(c, problem),
             disguised(c, near, problem),
         ),
     )
+
+
+def plainly_worse(other: Candidate, best: Candidate, problem: Problem) -> bool:
+    """Whether a candidate leaves more than the best one by more than noise, and in nearly all blocks.
+
+    What errors of the motion may cause leaves both tied, however sure noise alone would be.
+    """
+    gains = block_gains(best, other, problem)
+    steady = paired_t(gains) >= DOUBT and float(np.mean(gains > 0.0)) >= NEARLY_ALL
+    return steady and other.left > NOTED**2 * best.left
 
 
 def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
