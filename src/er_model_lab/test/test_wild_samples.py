@@ -7,9 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.noise_floor import spectral_line
+from er_model_lab.level.damper import opened
 from er_model_lab.preflight.bent_ends import bent_ends
 from er_model_lab.preflight.check import findings
 from er_model_lab.preflight.finding import MOST, spans_of
+from er_model_lab.preflight.samples import clipped as clipped_runs
 from er_model_lab.preflight.samples import time_findings
 from er_model_lab.preflight.spikes import spikes
 from er_model_lab.preflight.wild import marked, places
@@ -211,6 +213,36 @@ def test_an_end_is_bent_only_where_the_inside_never_is():
     assert np.flatnonzero(bent_ends(y)).tolist() == [1995, 1996, 1997, 1998, 1999]
     y[np.arange(100, 1900, 100)] += 2.0
     assert not bent_ends(y).any()
+
+
+@pytest.mark.parametrize("ends", [[27.0, 12.0, 7.0], [4.0, 2.0, 1.0]])
+def test_an_end_that_is_bent_within_the_noise_of_its_differences_shows_beside_the_model(
+    clean, ends
+):
+    """Third differences of noise are as large as 40 of its deviations."""
+    first, second, third = (record(seed=seed) for seed in (1, 2, 3))
+    y = second.channels["damper_force"].copy()
+    y[-3:] += FORCE_NOISE * np.array(ends[::-1])
+    bent_one = changed(second, "damper_force", y)
+    assert marked(bent_one).wild == {}
+    found = opened(Dataset.of([first, bent_one, third]), load_model(GUO)).problem
+    wild, end = np.flatnonzero(found.wild).tolist(), 2 * y.size
+    said = "4 samples of damper_force are bent at an end beside the model: no weight"
+    far = ends[0] > 10.0
+    assert (wild, found.beside) == ((list(range(end - 4, end)), 4) if far else ([], 0))
+    assert (said in found.notes) is far
+
+
+@pytest.mark.parametrize("lowest", [-1.2, -1.0])
+def test_a_short_run_at_the_other_end_of_the_range_of_a_load_cell_is_clipped_too(lowest):
+    t = np.arange(4000) * 0.01
+    moving = np.sin(2.0 * np.pi * 0.7 * t) + 0.4 * np.sin(2.0 * np.pi * 2.3 * t)
+    force = np.minimum(moving, 1.1)
+    force[1000:1021] = 1.25 - 0.25 * np.linspace(-1.0, 1.0, 21) ** 2
+    force = np.round(np.clip(force, lowest, 1.2), 3)
+    low, high = force == lowest, force == 1.2
+    assert high.sum() == 9
+    assert np.array_equal(clipped_runs(force, [moving]), low | (high & (lowest == -1.2)))
 
 
 def test_a_filter_that_bends_all_ends_makes_no_lag_of_the_velocity():

@@ -86,9 +86,11 @@ def search_effects(
     return replace(found, further=afresh(further) if further and same else None)
 
 
-def one_effect(model: Model, problem: Problem, effect: str | None, seed: int) -> Diagnosis:
-    """Diagnosis that considers one effect (or none) only."""
-    base = baseline(model, problem)
+def one_effect(
+    model: Model, problem: Problem, effect: str | None, seed: int, known: Candidate | None = None
+) -> Diagnosis:
+    """Diagnosis that considers one effect (or none) only; known: the model, fitted to the problem already."""
+    base = known or baseline(model, problem)
     tried = [refit(base, model.catalogue[effect], problem, max_iter=20)] if effect else []
     null = simulate_null(base, tried, problem, seed)
     floor = _floor(problem, min([base, *tried], key=lambda c: c.mse), null, seed)

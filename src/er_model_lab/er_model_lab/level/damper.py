@@ -104,14 +104,15 @@ class DamperLevel:
     def searched(self, asked: Question, noted: Notes | None) -> Study:
         """What the model lacks; a velocity channel that lags is undone first and named."""
         found, rule = self.given(asked), asked.rule
-        last = _before(found, asked)
+        last, known = _before(found, asked), None
         if last is None:
-            found = _looked_again(replace(found, problem=replace(found.problem, noted=noted)))
+            noting = replace(found, problem=replace(found.problem, noted=noted))
+            found, known = _looked_again(noting)
         else:  # samples are weighed as before, so that what was tried then counts
             same = {n: getattr(last.problem, n) for n in ("fold", "held_out", "wild", "beside")}
             found = replace(found, problem=replace(found.problem, noted=noted, **same))
+            known = replace(last.diagnosis.best, effects=())
         before = _as_measured(found) if found.lag else None
-        known = None if last is None else replace(last.diagnosis.best, effects=())
         begun = None if last is None else last.diagnosis.further
         seen = search_effects(
             found.searched, found.problem, seed=asked.seed, rule=rule, known=known, begun=begun
@@ -125,11 +126,11 @@ class DamperLevel:
         """One effect, or none, judged alone; a lag of the velocity channel is undone whatever it is asked for."""
         if effect == "velocity_lag":
             return _with_asked_lag(asked)
-        found = _looked_again(self.given(asked))
+        found, known = _looked_again(self.given(asked))
         if found.lag:
             said = f"{_lagging(found.lag)}: that is undone here, and the model does not hold it (add velocity_lag)"
             found = _noting(found, said)
-        seen = one_effect(found.searched, found.problem, effect, asked.seed)
+        seen = one_effect(found.searched, found.problem, effect, asked.seed, known)
         return Study(replace(found, lag=None), _restored(seen, asked.model))
 
     def finished(self, study: Study, seed: int) -> Model:
@@ -213,13 +214,11 @@ def _before(found: Opened, asked: Question) -> Study | None:
     return last if all(np.array_equal(a, b) for a, b in pairs) else None
 
 
-def _looked_again(asked: Opened) -> Opened:
-    """Where samples are wild, without those as well that only show beside the fitted model."""
-    problem = asked.problem
-    if problem.wild is None or not problem.wild.any():
-        return asked
-    fitted = baseline(asked.searched, problem).fit
-    return replace(asked, problem=without_wild(problem, fitted.residual))
+def _looked_again(asked: Opened) -> tuple[Opened, Candidate | None]:
+    """Without the samples that only show as wild beside the fitted model, and that model where there are none."""
+    base = baseline(asked.searched, asked.problem)
+    problem = without_wild(asked.problem, base.fit.residual)
+    return (asked, base) if problem is asked.problem else (replace(asked, problem=problem), None)
 
 
 def _noting(asked: Opened, note: str) -> Opened:

@@ -1,4 +1,4 @@
-"""Ends of a channel that a filter has bent: its first and last samples, judged by extrapolation from inside."""
+"""Ends of a channel that a filter has bent: its first and last samples, judged by what is inside."""
 
 from __future__ import annotations
 
@@ -36,6 +36,20 @@ def bent_ends(y: Array, apart: Array | None = None) -> Mask:
         alone = off > max(usual, worst, least)
         told = (off > usual) & (beside[: off.size] > most)
         bad = np.flatnonzero((alone | told)[:LAST])
+        if bad.size:
+            mask[: int(bad[-1]) + 1 + BESIDE] = True
+    return bent
+
+
+def far_ends(left: Array) -> Mask:
+    """Samples (n,) from the innermost one on that a model leaves far more of (n,) than of any inside."""
+    bent = np.zeros(left.size, bool)
+    if left.size < SHORTEST:
+        return bent
+    size = np.abs(left)
+    most = max(_limits(size))
+    for side, mask in ((size, bent), (size[::-1], bent[::-1])):
+        bad = np.flatnonzero(side[:LAST] > most)
         if bad.size:
             mask[: int(bad[-1]) + 1 + BESIDE] = True
     return bent

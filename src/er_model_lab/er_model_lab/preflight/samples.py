@@ -165,17 +165,22 @@ def clipped(y: Array, others: list[Array]) -> NDArray[np.bool_]:
 
     The last step before the run must be a large one: a coarse converter stays at its highest value, too, but
     comes there in its smallest steps. Noise breaks a flat top into long and many short runs, which nothing moves in:
-    most of the samples must lie in runs in which others do. others: channels (n,) over their ranges.
+    most of the samples must lie in runs in which others do. One short run alone is chance, or a rest, unless the other
+    end of the range, as far from zero, is clipped as well. others: channels (n,) over their ranges.
     """
     steps, top = np.abs(np.diff(y)), np.zeros(y.size, bool)
     moves = steps[steps > 0.0]
     if not moves.size:
         return top
     quantum, found = float(moves.min()), runs(y)
-    for extreme in (float(y.max()), float(y.min())):
-        at = (y[found.first] == extreme) & (found.length >= 3) & (found.first > 0)
-        # one short run alone is chance, or a rest
-        if at.sum() < 2 and found.length[at].sum() < LONE:
+    low, high = float(y.min()), float(y.max())
+    runs_at = {
+        e: (y[found.first] == e) & (found.length >= 3) & (found.first > 0) for e in (low, high)
+    }
+    many = {e: at.sum() >= 2 or found.length[at].sum() >= LONE for e, at in runs_at.items()}
+    mirrored = abs(low + high) <= 2.0 * quantum
+    for extreme, at in runs_at.items():
+        if not at.any() or not (many[extreme] or (mirrored and any(many.values()))):
             continue
         into = steps[found.first[at] - 1]
         first, length = found.first[at], found.length[at]
