@@ -25,7 +25,7 @@ TABLES: Tables = {
     ),
     **_score(
         "rough_score",
-        "rough_score --seeds 197 --cases 100 --workers 2 --limit 300",
+        "rough_score --seeds 211 --cases 100 --workers 2 --limit 300",
         "rough score",
         "rough groups",
         truth="test/rough",
