@@ -37,6 +37,21 @@ def test_longer_steps_are_exact_at_the_model_and_its_derivatives_are_theirs(soug
     assert 0.0 < np.linalg.norm(usual - longer) < 0.02 * np.linalg.norm(usual)
 
 
+@pytest.mark.parametrize("effect", ["freeplay", "mount_compliance"])
+def test_a_fit_leaves_a_damper_behind_a_gap_some_damping(sought, effect):
+    """Without any it would cross its gap at any speed: it was predicted with 10 MN."""
+    model, problem = sought
+    bare = model.with_effect("passive", {**model.effects["passive"], "c0": 0.0}).with_effect(
+        effect
+    )
+    box = Box(bare, problem.forward.free(bare), problem.scales)
+    k = box.free.index(("passive", "c0"))
+    least = 1e-3 if effect == "freeplay" else 0.0
+    assert (box.low[k], box.start()[k]) == (least, least)
+    force = problem.predict(box.model_at(box.start()))
+    assert np.std(force) < 2.0 * np.std(problem.force)
+
+
 def test_a_row_that_jumps_tells_no_derivative(sought, monkeypatch):
     """At a sample another branch is as good as the one taken: 4 N over a step of a millionth are no slope."""
     model, problem = sought

@@ -116,6 +116,8 @@ LEAST_DAMPING = 1e-9
 """Added to a damping that divides [N s/m], against division by zero: nothing beside that of any damper."""
 LEAST_COMPLIANCE = 1e-100
 """The same for a compliance [m/N]."""
+LEAST_TIME = 1e-6
+"""A mount springs back no faster than in this time [s]: beside a damper without damping it had no velocity to be at."""
 SMOOTH, CONTACT, SWITCH = 3e-6, 1e-5, 1e-2
 """Steps of derivatives, as shares of a value: of a smooth equation, of one with a contact that
 opens and closes, of one that jumps."""
@@ -179,6 +181,7 @@ class Effect:
     `generalises`: effects that are special cases of it; where both pass, it is named only if it gains far more.
     `within`: strengths that are at most so many times another one where the effect is what it is called, such as a
     breakaway and the sliding friction; beyond that it stands for something else.
+    `damped`: the least passive damping that a fit gives the damper beside it, in multiples of the natural scale.
     `knowable`: whether the channels of a damper can show it at all. One that they cannot show is simulated, and a
     model may hold it, but it is neither fitted, planned for, added nor tried by the diagnosis; `unknowable_because`
     is what the user is told then, and empty else.
@@ -197,6 +200,7 @@ class Effect:
     initial: Literal["equilibrium", "zero"] = "equilibrium"
     generalises: tuple[str, ...] = ()
     within: tuple[tuple[str, float, str], ...] = ()
+    damped: float = 0.0
     knowable: bool = True
     unknowable_because: str = ""
     _names: tuple[str, ...] = field(init=False, default=())

@@ -210,6 +210,25 @@ def test_mount_in_series_with_a_static_damper_carries_one_force() -> None:
     assert error.std() < 1e-3 * span(exact)
 
 
+def test_a_mount_beside_a_damper_without_damping_is_that_beside_one_of_next_to_none() -> None:
+    """Where the field makes all of the force the mount takes as much of the motion."""
+    sine, t = Sine(SMALL).derivative, np.arange(400) * DT
+    inputs = motion(DT, sine(t, 0), sine(t, 1), np.full(t.size, 0.2), sine(t, 2))
+
+    def force(c0: float, *effects: str) -> Array:
+        model = bingham()
+        model = model.with_effect("passive", {**model.effects["passive"], "c0": c0})
+        for name in effects:
+            model = model.with_effect(name)
+        return predict(model, inputs)
+
+    little = 1e-4 * bingham().value("passive", "c0")
+    made = force(little, "mount_compliance") - force(little)
+    off = force(0.0, "mount_compliance") - force(little, "mount_compliance")
+    assert np.std(off) < 0.01 * np.std(made)
+    assert np.std(made) > 0.01 * span(force(little))
+
+
 def test_freeplay_is_a_rigid_gap() -> None:
     """Against small explicit steps of the contact: stuck to an edge while pressed, free in between."""
     b, u, h = 2e-4, 0.2, 5e-6

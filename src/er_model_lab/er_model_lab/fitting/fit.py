@@ -29,6 +29,8 @@ DAMPINGS = (0.1, 1.0, 10.0)
 """Multiples of the damping that are tried at once."""
 AWAY = 2e-3
 """Share by which the mean square in longer steps may differ from the true one where a fit ends."""
+DAMPING = ("passive", "c0")
+"""The damping of the damper itself, of which some effects beside it need a little (`Effect.damped`)."""
 LOOKS = 3
 """Ways in longer steps, each near where the one before it ended, of a fit that is only to be ranked."""
 SETTLING = 3
@@ -92,6 +94,8 @@ class Box:
         for k, name in enumerate(free):
             if limits and name in limits:
                 self.low[k], self.high[k] = np.array(limits[name]) / self.scale[k]
+            if name == DAMPING:
+                self.low[k] = max(self.low[k], max(c[e].damped for e in model.effects))
         self.size = np.array([q.size for q in params])
         self.smooth = all(q.step == SMOOTH for q in params)
 

@@ -55,6 +55,7 @@ EFFECT = Effect(
         ),
     ),
     generalises=("mount_compliance",),
+    damped=1e-3,  # without damping it would cross its gap at any speed
     hooks={
         "relax": relax,
         "bound": bound,

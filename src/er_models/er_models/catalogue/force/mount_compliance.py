@@ -3,12 +3,12 @@
 Its balance holds the passive and the yield force; what other effects add passes the mount without stretching it.
 """
 
-from er_models.effect import INSTANT, LEAST_DAMPING, Effect, Param, Signature
+from er_models.effect import INSTANT, LEAST_COMPLIANCE, LEAST_TIME, Effect, Param, Signature
 
 
 def relax(q: float, k_0: float, c_0: float, x: float, v: float, f_y: float) -> tuple[float, float]:
     """Rate [1/s] and drive [m/s] of the stretch of the mount, from the balance of forces in series."""
-    damping = c_0 + LEAST_DAMPING
+    damping = max(c_0, LEAST_TIME / max(q, LEAST_COMPLIANCE))
     return (
         ((1.0 / q + k_0) / damping, v + (k_0 * x + f_y) / damping) if q > 0.0 else (INSTANT, 0.0)
     )
@@ -23,7 +23,8 @@ def shift_velocity(
     q: float, k_0: float, c_0: float, x: float, v: float, f_y: float, w: float
 ) -> float:
     """Velocity of the damper itself [m/s]; x is its own deflection."""
-    return (w / q - k_0 * x - f_y) / (c_0 + LEAST_DAMPING) if q > 0.0 else v
+    damping = max(c_0, LEAST_TIME / max(q, LEAST_COMPLIANCE))
+    return (w / q - k_0 * x - f_y) / damping if q > 0.0 else v
 
 
 EFFECT = Effect(
