@@ -35,9 +35,7 @@ def bent_ends(y: Array, apart: Array | None = None) -> Mask:
         usual, worst = _limits(off)
         alone = off > max(usual, worst, least)
         told = (off > usual) & (beside[: off.size] > most)
-        bad = np.flatnonzero((alone | told)[:LAST])
-        if bad.size:
-            mask[: int(bad[-1]) + 1 + BESIDE] = True
+        _mark(mask, alone | told)
     return bent
 
 
@@ -49,10 +47,15 @@ def far_ends(left: Array) -> Mask:
     size = np.abs(left)
     most = max(_limits(size))
     for side, mask in ((size, bent), (size[::-1], bent[::-1])):
-        bad = np.flatnonzero(side[:LAST] > most)
-        if bad.size:
-            mask[: int(bad[-1]) + 1 + BESIDE] = True
+        _mark(mask, side > most)
     return bent
+
+
+def _mark(mask: Mask, far: Mask) -> None:
+    """Mark an end from the innermost of its samples on that are far away, and those beside it."""
+    bad = np.flatnonzero(far[:LAST])
+    if bad.size:
+        mask[: int(bad[-1]) + 1 + BESIDE] = True
 
 
 def _limits(off: Array) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from er_models.kernel.elementary import exp
 from er_models.kernel.fast import entry, inline, inner, once
 from er_models.kernel.inputs import at, cubic, delayed, split
 from er_models.kernel.layout import CAUGHT, HEAT, SLIDES
-from er_models.kernel.rows import DECAY, ONE, ROWS, SLOPE, W0, G, R, W, Z
+from er_models.kernel.rows import DECAY, LARGEST, ONE, ROWS, SLOPE, W0, G, R, W, Z
 from er_models.kernel.states import AT_ONCE, HOLD, keep, settle, solve, visit
 
 
@@ -93,6 +93,8 @@ def dragged(on, slots, links, at_rest, p, s, reach, clock, x, v, a, u, theta):
     noted that keeps them from there. Neither where the other states are nor what their search has learnt stays of these
     looks, which may end beyond all measure.
     """
+    rest = s.shape[1] - 1
+    largest = s[LARGEST, rest]
     for j in range(s.shape[1]):
         s[DECAY, j], s[ONE, j], s[Z, j] = s[W, j], s[SLOPE, j], math.nan
     for i in range(slots.shape[0]):
@@ -111,6 +113,7 @@ def dragged(on, slots, links, at_rest, p, s, reach, clock, x, v, a, u, theta):
             for other in range(s.shape[1]):
                 s[W, other], s[SLOPE, other] = s[DECAY, other], s[ONE, other]
         s[W0, j] = settled
+    s[LARGEST, rest] = largest
     visit(on, links, p, s, 0.0, HOLD, x, v, a, u, clock, theta)
     keep(slots, s)
 

@@ -81,10 +81,11 @@ def refined(links, s, k, force):
             next_rest(s, rest, k, halve)
             return False
         s[LARGEST, rest] = max(s[LARGEST, rest], abs(force))
-        renewed(s, rest)
     if off:
         for i in range(many):
-            if links[i] != rest:
+            if links[i] == rest:
+                renewed(s, rest)
+            else:
                 next_trial(s, links[i], halve)
     return not off
 
