@@ -102,6 +102,56 @@ def test_drop_look_drag_cancel_add_undo_and_take(page: Any, tmp_path: Path) -> N
     assert "lab.add(data" in taken["Program"].read_text(encoding="utf-8")
 
 
+def test_columns_of_a_foreign_rig_are_told_once_and_a_new_model_is_scaled_to_them(
+    tmp_path: Path,
+) -> None:
+    """Names and units that say nothing, in two files, one of them turned by hand: no terminal is needed."""
+    from playwright.sync_api import expect
+
+    expect.set_options(timeout=PATIENCE)
+    files = [tmp_path / f"ring{k}.csv" for k in (1, 2)]
+    for k, own in enumerate(files):
+        rows = write_sample(own, seed=k, seconds=9.0).read_text(encoding="utf-8").splitlines()[1:]
+        cells = [list(map(float, row.split(","))) for row in rows]
+        lines = (f"{1e3 * t:.0f},{1e3 * x:.9f},{-F:.9f}" for t, x, _, _, F, *_ in cells)
+        own.write_text("\n".join(["ch1,ch2,ch3", *lines]), encoding="utf-8")
+    with seen(cwd=tmp_path) as page:
+        page.get_by_text("No data yet").wait_for()
+        page.set_input_files("input[type=file]", files)
+        asked = page.locator(".q-dialog")
+        state, use = asked.get_by_role("status"), asked.get_by_role("button", name="Use")
+
+        def choose(label: str, option: str, k: int = 0) -> None:
+            asked.get_by_role("combobox", name=label, exact=True).nth(k).click()
+            page.get_by_role("option", name=option, exact=True).click()
+
+        expect(state).to_have_text("no column is known yet")
+        choose("deflection", "ch2")
+        expect(state).to_have_text("deflection: no unit, and too large for SI")
+        expect(use).to_be_disabled()
+        choose("unit", "mm", 1)
+        expect(state).to_contain_text("(looks like ms)")
+        choose("unit", "ms")
+        choose("damper_force", "ch3")
+        expect(state).to_have_text("reads as 9 s of measurements")
+        expect(asked.get_by_role("checkbox").last).to_be_checked()
+        use.click()
+        expect(
+            page.get_by_text("ring2.csv: read as the file before with these columns")
+        ).to_be_visible()
+        page.get_by_text("Begin with a model under Data").wait_for()
+        page.get_by_role("combobox", name="New model, scaled to the data").click()
+        page.get_by_role("option", name="friction: ").click()
+        expect(page.locator("header")).to_contain_text("start_friction")
+        expect(page.locator("header [role=status]")).to_contain_text("held out")
+        page.get_by_role("tab", name="Take").click()
+        with page.expect_download() as download:
+            page.get_by_role("button", name="Program", exact=True).click()
+        program = Path(download.value.path()).read_text(encoding="utf-8")
+    assert "lab.new(data, 'friction'" in program
+    assert program.count("'damper_force': {'from': 'ch3', 'sign': -1}") == 3
+
+
 @pytest.mark.slow
 def test_beside_a_running_graph_the_live_error_falls_once_the_effect_is_added(
     tmp_path: Path,

@@ -134,6 +134,23 @@ def test_the_program_of_a_session_makes_the_same_model(
         unpacked(kept, desk.folder)
 
 
+def test_a_new_model_is_scaled_to_the_data_and_the_program_makes_it_again(
+    desk: Desk, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    desk.new("er")
+    desk.jobs.wait()
+    assert desk.jobs.job is not None
+    assert (desk.jobs.job.error, desk.now.step.says) == ("", "new model start er")
+    assert desk.now.known.digest() == lab.new(desk.data, "er").digest()
+    program = tmp_path / "session.py"
+    program.write_text(script(desk.session), encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    made = runpy.run_path(str(program), run_name="__main__")
+    assert made["model"].digest() == desk.now.known.digest()
+    desk.undo()
+    assert desk.now.known.name == "inove_guo"
+
+
 def test_dropped_data_travel_with_the_session(run: Path, tmp_path: Path) -> None:
     first, second = tmp_path / "first", tmp_path / "second"
     first.mkdir()

@@ -291,3 +291,46 @@ def test_channels_of_a_car_are_told_from_those_of_its_damper(
     name: str, unit: str, channel: str
 ) -> None:
     assert max(KNOWN, key=lambda each: fits(each, name, unit)) == channel
+
+
+def test_what_the_user_says_of_a_sign_counts(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    x = np.sin(2 * np.pi * T)
+    write(path, {"t [s]": T, "x [mm]": 5.0 * x, "F [N]": -np.gradient(x, T)})
+    assert mapped(path).names["damper_force"] == {"from": "F", "sign": -1}
+    told = mapped(path, {"damper_force": {"from": "F [N]", "sign": 1}})
+    assert told.names["damper_force"] == "F"
+
+
+def test_no_row_number_is_a_duty_and_no_voltage_of_a_force_a_velocity(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    x = 2.0 * np.abs((T * 0.5) % 2.0 - 1.0)
+    force = np.sign(np.gradient(x, T))
+    write(
+        path, {"No": np.arange(1.0, T.size + 1), "t [s]": T, "a": 5.0 + x, "b": 3.5 + 0.3 * force}
+    )
+    found = mapped(path)
+    assert "duty" not in found.guesses
+    assert "deflection_velocity" not in found.guesses
+    assert (found.records, found.trouble) == ((), ""), "nothing but the time is known"
+
+
+def test_what_is_wrong_is_said_without_the_path_that_was_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    write(path, {"zeit": 1000.0 * T, "x [mm]": np.sin(T), "F [N]": np.cos(T)})
+    found = mapped(path, {"t": "zeit"})
+    assert found.trouble.startswith(
+        "t: expected steps below 0.1 s, found 4 s as a rule (looks like ms)"
+    )
+    assert mapped(path, {"t": {"from": "zeit", "unit": "ms"}}).trouble == ""
+
+
+def write(path: Path, table: dict[str, np.ndarray]) -> None:
+    """A text table."""
+    np.savetxt(
+        path,
+        np.column_stack(list(table.values())),
+        delimiter=",",
+        header=",".join(table),
+        comments="",
+    )

@@ -155,6 +155,63 @@ def test_columns_that_are_no_channel_are_left_out_with_a_note(tmp_path: Path) ->
     assert record.has("force_own")
 
 
+def test_names_may_be_more_or_fewer_than_the_usual_row_has_cells(tmp_path: Path) -> None:
+    """Events behind some rows, row numbers that no name stands over, and a delimiter at the end of each row."""
+    data = columns()
+    rows = [list(map(repr, row)) for row in np.column_stack(list(data.values())).tolist()]
+    events = {0: ["start"], 200: ["pause"], 201: ["resume"], N - 1: ["pause", "stop"]}
+    above = ["Header Size:  3", "Made: today, here"]
+    texts = {
+        "events": [*above, ",".join([*data, "Events"]), *(",".join(r + events.get(k, [])) for k, r in enumerate(rows))],
+        "numbers": [",".join(data), *(",".join([str(k + 1), *r]) for k, r in enumerate(rows))],
+        "ended": [*above, ",".join(data), *(",".join([*r, ""]) for r in rows)],
+    }  # fmt: skip
+    for name, lines in texts.items():
+        path = tmp_path / f"{name}.csv"
+        path.write_text("\n".join(lines) + "\n")
+        (record,) = load([path])
+        np.testing.assert_array_equal(record.t, data["t"], err_msg=name)
+        for channel in data.keys() - {"t"}:
+            np.testing.assert_array_equal(record.channels[channel], data[channel], err_msg=name)
+
+
+def test_a_recorder_with_pauses_is_read_by_its_times_of_day(tmp_path: Path) -> None:
+    """Rows `number, date and time, channels, event` below lines that tell of the recorder."""
+    path = tmp_path / "raw.txt"
+    rate, t = 200, np.concatenate([np.arange(400), 10_000 + np.arange(600)]) / 200.0
+    lines = [
+        "Header Size:  3",
+        f"Sampling Rate:  {rate}",
+        "Sample Number, Date/Time, CHANNEL0, CHANNEL1, Events",
+    ]
+    for k, at in enumerate(t):
+        clock = (
+            f"04/29/2022 11:59:{20 + at:06.3f} AM"
+            if at < 39
+            else f"04/29/2022 12:00:{at - 40:06.3f} PM"
+        )
+        event = {
+            0: ", DAQ Start",
+            399: ", DAQ Pause",
+            400: ", DAQ Resume",
+            999: ", DAQ Pause, DAQ Stop",
+        }.get(k, "")
+        x = np.sin(2 * np.pi * 2 * at)
+        lines.append(
+            f"{k + 1:10d},   {clock}, {3 * np.cos(2 * np.pi * 2 * at):.4f}, {x:.4f}{event}"
+        )
+    path.write_text("\n".join(lines) + "\n")
+    names = {
+        "t": "Date/Time",
+        "deflection": {"from": "CHANNEL1", "scale": 0.01},
+        "damper_force": "CHANNEL0",
+    }
+    first, second = load([path], names)
+    assert (len(first), len(second)) == (400, 600)
+    assert second.t[0] - first.t[0] == pytest.approx(50.0, abs=1e-6)
+    assert first.channels["deflection"].max() == pytest.approx(0.01, rel=1e-3)
+
+
 def test_bad_files_give_one_clear_line_each(tmp_path: Path) -> None:
     path = tmp_path / "bad.csv"
     rows = "".join(f"{0.005 * k},{1e-3 * k / N},0.1\n" for k in range(N))

@@ -79,10 +79,7 @@ def _say(found: Mapped, written: Path | None) -> None:
     for channel, guess in found.unsure.items():
         typer.echo(f"not sure enough to be written: {option(channel, guess)}")
     if not _enough(found):
-        why = (
-            found.trouble.split("; say what its columns")[0].split(" (no measurement?")[0]
-            or "no column is known for certain"
-        )
+        why = found.trouble or "no column is known for certain"
         raise InputError(
             found.survey.path, "", f"columns that can be read; {_missing(found)}", why
         )

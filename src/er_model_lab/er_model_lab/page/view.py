@@ -78,6 +78,10 @@ STYLE = """
 """
 
 
+WITHOUT_DATA = "No data yet: drop files under Data."
+WITHOUT_MODEL = "The data are read. Begin with a model under Data: a new one scaled to them, a shipped one, or a file."
+
+
 class View:
     """What one browser shows."""
 
@@ -194,7 +198,10 @@ class View:
         """Show a figure; there is no plot before there are data: an empty one takes a browser as long to draw."""
         if name in self.plots:
             self.plots[name].update_figure(figure)
-        elif figure["data"]:
+        elif not figure["data"]:
+            if name == FIRST:
+                self.hint.text = WITHOUT_MODEL if self.desk.records else WITHOUT_DATA
+        else:
             place, words = self.places[name]
             place.clear()
             with place:
@@ -312,7 +319,8 @@ class View:
         """Where a plot comes as soon as there is something to draw; words: for who cannot see it."""
         place = ui.element("div").classes("wide" if name in HEIGHTS else "")
         with place.style(f"min-height: {HEIGHTS.get(name, HEIGHT)}px"):
-            ui.label("no data yet").classes("muted p-4")
+            if name == FIRST:
+                self.hint = ui.label().classes("muted p-4").props("role=status")
         self.places[name] = place, words
 
     def select(self, selection: Selection) -> None:

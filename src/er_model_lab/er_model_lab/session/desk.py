@@ -208,6 +208,19 @@ class Desk:
 
         self.jobs.start("open the data", work)
 
+    def new(self, kind: str) -> None:
+        """A start model of a kind, scaled to the data, as a job."""
+        from er_model_lab.verbs.new import new
+
+        data = self.data
+
+        def work(*_: Any) -> None:
+            self.session = self.session.then(self.now.scaled(new(data, kind, anyway=True), kind))
+            self.result = None
+            self._open()
+
+        self.jobs.start("open the data", work)
+
     def hold(self, held: Sequence[Stretch]) -> None:
         """Hold other stretches out.
 

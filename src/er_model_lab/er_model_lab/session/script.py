@@ -82,6 +82,9 @@ def _line(step: Step, place: Place) -> list[str]:
             f"data = lab.Dataset.of({_cuts(values['learn'])}, {_cuts(values['score'])})"
         ),
         "start": lambda: f"model = fitted = lab.load_model({_start(values, place)})",
+        "new": lambda: (
+            f"model = fitted = lab.new(data, {values['kind']!r}, name={what!r}, anyway=True)"
+        ),
         "set": lambda: f"model = model.with_effect({what!r}, {values!r})",
         "on": lambda: f"model = model.with_effect({what!r}, {values!r})",
         "off": lambda: f"model = model.without_effect({what!r})",

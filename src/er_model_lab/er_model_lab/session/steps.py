@@ -40,7 +40,7 @@ class Stretch:
 class Step:
     """What was done: its kind, the effect, model or file concerned, and the values that belong to it.
 
-    kind: open, data, hold, start, set, off, on, fitted, add, back, improve.
+    kind: open, data, hold, start, new, set, off, on, fitted, add, back, improve.
     """
 
     kind: str
@@ -61,8 +61,8 @@ class Step:
     def says(self) -> str:
         """What was done, in a few words."""
         words = {
-            "open": "session opened", "data": "data", "hold": "held out", "start": "model", "set": "set",
-            "off": "without", "back": "taken back:",
+            "open": "session opened", "data": "data", "hold": "held out", "start": "model", "new": "new model",
+            "set": "set", "off": "without", "back": "taken back:",
             "on": "again with", "fitted": "back to the fitted values of", "add": "added", "improve": "improved",
         }[self.kind]  # fmt: skip
         return f"{words} {self.what.replace('_', ' ')}".rstrip()
@@ -112,13 +112,14 @@ class State:
     def started(self, model: Model, origin: str, code: Sequence[Path] = ()) -> State:
         """Another model to begin with; origin: its name, or its file; code: files with the effects that it may have."""
         own = {"effects_from": [str(path) for path in code]} if code else {}
-        return replace(
-            self,
-            model=model,
-            fitted=model,
-            off={},
-            step=Step("start", model.name, {"from": origin, **own}),
-        )
+        return self._begun(model, Step("start", model.name, {"from": origin, **own}))
+
+    def scaled(self, model: Model, kind: str) -> State:
+        """A start model of a kind that was scaled to the data."""
+        return self._begun(model, Step("new", model.name, {"kind": kind}))
+
+    def _begun(self, model: Model, step: Step) -> State:
+        return replace(self, model=model, fitted=model, off={}, step=step)
 
     def set(self, effect: str, parameter: str, value: float) -> State:
         """One parameter moved [SI].

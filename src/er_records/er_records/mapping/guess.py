@@ -185,7 +185,10 @@ def _related(
     v = _velocity(found, t)
     found = _with_force(found, same, v, given)
     used = {g.seen.name for g in found.values()}
-    switched = [s for s in same if s.name not in used and physics.is_switched(s.samples)]
+    switched = [
+        s for s in same
+        if s.name not in used and physics.is_switched(s.samples) and not physics.is_time(s.samples)
+    ]  # fmt: skip
     if "duty" not in found and "duty" not in given and switched:
         why = ("holds a few values, as a duty does",)
         found = found | {"duty": Guess("duty", switched[0], Source(switched[0].header), 0.4, why)}
@@ -254,7 +257,7 @@ def _unit_by(guess: Guess, factor: float | None) -> Guess:
 
 def _literal(given: Mapping[str, Source]) -> set[str]:
     """Channels of which the user says more than column and unit: nothing is added to it."""
-    return {c for c, s in given.items() if replace(s, column="", unit="") != Source()}
+    return {c for c, s in given.items() if s.signed or replace(s, column="", unit="") != Source()}
 
 
 def _with_direction(found: dict[str, Guess], given: Mapping[str, Source]) -> dict[str, Guess]:

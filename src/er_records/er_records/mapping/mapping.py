@@ -25,7 +25,8 @@ from er_records.write import finished_only
 class Mapped:
     """What `lab map` finds: columns (survey), guesses by channel, and what the user said beside them.
 
-    records: as they read with this mapping; trouble: why they do not, else ''.
+    records: as they read with this mapping; trouble: why they do not, else ''. Neither while nothing but the time is
+    known.
     """
 
     survey: Survey
@@ -135,7 +136,9 @@ class Mapped:
 
 def _plain(source: Source) -> Any:
     """A source as a user writes it."""
-    said = {f.name: getattr(source, f.name) for f in fields(Source) if f.name != "column"}
+    said = {
+        f.name: getattr(source, f.name) for f in fields(Source) if f.compare and f.name != "column"
+    }
     entry = {k: v for k, v in said.items() if v != getattr(NOTHING, k)}
     entry = {k: int(v) if k == "sign" else v for k, v in entry.items()}
     if not entry:
@@ -159,10 +162,20 @@ def mapped(path: str | Path, names: Mapping[str, Any] | None = None) -> Mapped:
     found = Mapped(seen, guesses, made)
     try:
         own = Names(found.sources, str(seen.names_file), lenient=True)
-        records = tuple(load([Path(path)], own)) if found.sources else ()
+        known = found.sources.keys() - {TIME}
+        records = tuple(load([Path(path)], own)) if known else ()
     except ErError as error:
-        return replace(found, trouble=str(error))
+        return replace(found, trouble=_in_words(error, Path(path)))
     return replace(found, records=records)
+
+
+def _in_words(error: ErError, path: Path) -> str:
+    """What is wrong, without the path that was asked for, and without the advice to map its columns."""
+    if not isinstance(error, InputError):
+        return str(error)
+    file = Path(error.path)
+    where = "".join(f"{each}: " for each in (file.name * (file != path), error.key) if each)
+    return f"{where}expected {error.expected}, found {error.found}".split(" (no measurement?")[0]
 
 
 def said(names: Mapping[str, Any]) -> dict[str, Source]:

@@ -10,6 +10,8 @@ from er_records.record import Array
 
 COHERENT = 0.95
 """Correlation from which on one column is the derivative of another."""
+CENTRED = 1.0
+"""Largest mean of a derivative, over its root mean square about it."""
 SMOOTHED = 5
 """Samples of the mean that takes the noise off a difference."""
 STEADY = 0.5
@@ -18,15 +20,19 @@ STEADY = 0.5
 
 @dataclass(frozen=True)
 class Derivative:
-    """A column as the derivative of another: is_ = gain * d of / dt, with their correlation."""
+    """A column as the derivative of another: is_ = gain * d of / dt, with their correlation.
+
+    mean: of the column less that of the slope, over its root mean square about its mean; a sensor's voltage has one.
+    """
 
     gain: float
     correlation: float
+    mean: float = 0.0
 
     @property
     def holds(self) -> bool:
         """Whether it is one."""
-        return abs(self.correlation) >= COHERENT
+        return abs(self.correlation) >= COHERENT and abs(self.mean) <= CENTRED
 
 
 def is_time(y: Array) -> bool:
@@ -48,12 +54,13 @@ def rate_of(t: Array) -> float:
 def derivative(of: Array, is_: Array, t: Array) -> Derivative:
     """How far samples (n,) are the derivative of others at times t (n,) [s]."""
     slope, y = velocity(of, t), smooth(is_)
-    slope, y = slope - slope.mean(), y - y.mean()
-    power = float(slope @ slope)
-    if power <= 0.0 or not float(y @ y) > 0.0:
+    (drift, mean), slope, y = (slope.mean(), y.mean()), slope - slope.mean(), y - y.mean()
+    power, own = float(slope @ slope), float(y @ y)
+    if power <= 0.0 or not own > 0.0:
         return Derivative(0.0, 0.0)
     both = float(slope @ y)
-    return Derivative(both / power, both / float(np.sqrt(power * float(y @ y))))
+    off = float(mean - both / power * drift) / float(np.sqrt(own / y.size))
+    return Derivative(both / power, both / float(np.sqrt(power * own)), off)
 
 
 def dissipation(force: Array, v: Array) -> float:

@@ -2,8 +2,9 @@
 
 Delimiter comma, semicolon, tab or spaces. An empty cell or NaN is a missing sample. Lines starting with `#` above the
 names are comments; one of them may carry the provenance that `er_records.write` stores. Lines of other widths above
-the names are left out. Unless the delimiter is a comma, numbers may have decimal commas; the columns that are read say
-whether they do. A table without names has columns `column 1`, `column 2`, ... for a mapping to name.
+the names are left out; so is what a row holds beyond the names. Unless the delimiter is a comma, numbers may have
+decimal commas; the columns that are read say whether they do. A table without names has columns `column 1`,
+`column 2`, ... for a mapping to name.
 """
 
 from __future__ import annotations
@@ -149,11 +150,30 @@ def _parted(lines: list[str]) -> _Text:
     if first == 0:
         return _Text(tuple(f"column {i + 1}" for i in range(width)), lines, delimiter, named=False)
     if first is None or not wide[first - 1]:
-        return _Text(tuple(split[0]), lines[1:], delimiter)
+        return _uneven(lines, split, delimiter, width)
     units, names = split[first - 1], split[first - 2] if first > 1 else []
     if len(names) == width and any(map(looks_like_unit, units)) and not _numeric(names):
         return _Text(tuple(map(_with_unit, names, units)), lines[first:], delimiter)
     return _Text(tuple(units), lines[first:], delimiter)
+
+
+def _uneven(lines: list[str], split: list[list[str]], delimiter: str, width: int) -> _Text:
+    """A table whose names are more or fewer than the usual row has cells.
+
+    Beyond a row's cells stand events, which few rows have; a name is missing of row numbers, or where each row ends
+    with a delimiter.
+    """
+    first = next((i for i, c in enumerate(split) if len(c) >= width and _numeric(c)), 0)
+    above = first - 1
+    if first < 1 or len(split[above]) < max(width - 1, 2) or _numeric(split[above]):
+        return _Text(tuple(split[0]), lines[1:], delimiter)
+    names, rows = split[above], lines[first:]
+    if len(names) < width and split[first][-1].strip():
+        names = ["", *names]
+    whole = max(len(names), width)
+    cells = (row.split(delimiter)[:whole] for row in rows)
+    even = [delimiter.join([*c, *[""] * (whole - len(c))]) for c in cells]
+    return _Text(tuple(names), even, delimiter)
 
 
 def _with_unit(name: str, unit: str) -> str:

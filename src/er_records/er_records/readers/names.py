@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +41,8 @@ class Source:
 
     column: name in the file, '' where `rate` or `value` makes it; unit: of the column, '' as the file states it;
     scale: factor to SI beside the unit; full_scale: what a duty of 1 is in the column; sign: 1 or -1; offset: added
-    last [SI]; rate: of a time that the file does not hold [Hz]; value: of a channel that is constant [SI].
+    last [SI]; rate: of a time that the file does not hold [Hz]; value: of a channel that is constant [SI]; signed:
+    whether somebody said the sign.
     """
 
     column: str = ""
@@ -52,6 +53,7 @@ class Source:
     offset: float = 0.0
     rate: float | None = None
     value: float | None = None
+    signed: bool = field(default=False, compare=False)
 
 
 NOTHING = Source()
@@ -116,7 +118,9 @@ def _source(where: str, channel: str, entry: Mapping[str, Any]) -> Source:
             raise InputError(where, f"{channel}.{key}", "a number above 0", entry[key])
     if "full_scale" in numbers and channel != "duty":
         raise InputError(where, f"{channel}.full_scale", "the full scale of a duty alone", channel)
-    return Source(entry.get("from", ""), entry.get("unit", ""), **numbers)
+    return Source(
+        entry.get("from", ""), entry.get("unit", ""), **numbers, signed="sign" in numbers
+    )
 
 
 def _number(where: str, key: str, found: Any) -> float:

@@ -13,6 +13,7 @@ from er_models.shipped import MODELS, names
 from nicegui import ui
 from nicegui.events import UploadEventArguments
 
+from er_model_lab.fitting.start_model import KINDS
 from er_model_lab.output.text.units import percent
 from er_model_lab.page.panels.help import heading
 from er_model_lab.page.panels.mapping import MappingDialog
@@ -50,6 +51,12 @@ class DataPanel:
         self.model = ui.select(
             shipped, label="Begin with a shipped model", on_change=host.safely(lambda e: self._start(e.value))
         ).classes("w-full").props('dense options-dense aria-label="Begin with a shipped model"')  # fmt: skip
+        kinds = {kind: f"{kind}: {found.title}" for kind, found in KINDS.items()}
+        ui.select(
+            kinds,
+            label="New model, scaled to the data",
+            on_change=host.safely(lambda e: desk.new(e.value)),
+        ).classes("w-full").props('dense options-dense aria-label="New model, scaled to the data"')
         self.progress = ui.label("").classes("muted").props("role=status")
         self.records = ui.column().classes("w-full gap-0")
         ui.button("Hold out what is in view", on_click=host.safely(self._hold_view)).props(
@@ -61,6 +68,8 @@ class DataPanel:
         self.findings = ui.column().classes("w-full gap-1")
         self.shown: object = None
         self.desk = desk
+        self.asking = asyncio.Lock()
+        self.said: dict[tuple[str, ...], dict[str, Any]] = {}
 
     def refresh(self) -> None:
         """Show what there is."""
@@ -124,7 +133,7 @@ class DataPanel:
                 if f.remedy:
                     ui.label(f.remedy).classes("text-xs muted pl-4")
             if not any(f.level in FINDINGS for f in found):
-                ui.label("nothing is wrong" if found else "no data yet").classes("muted")
+                ui.label("nothing is wrong" if found else "nothing checked yet").classes("muted")
 
     def _finding(self, finding: Finding, text: str) -> None:
         """Its words; where it has places, a button that goes from one to the next."""
@@ -197,7 +206,6 @@ class DataPanel:
         elif kind == "zip" and not dropped.is_session(path):
             for each in await asyncio.to_thread(dropped.measurements_of, path, desk.folder):
                 await self._measured(each)
-                await asyncio.to_thread(desk.jobs.wait)
             path.unlink()
         elif kind == "zip":
             given = (*desk.given, *desk.code_files)
@@ -213,13 +221,22 @@ class DataPanel:
             await self._measured(path)
 
     async def _measured(self, path: Path) -> None:
-        """Ask what the columns are where they do not say so themselves."""
+        """Ask what the columns are where they do not say so themselves; once for files with the same columns."""
         from er_model_lab.verbs.map import map as mapped
 
-        found = await asyncio.to_thread(mapped, path)
-        said: Any = None
-        if not found.needless or found.trouble:
-            said = await MappingDialog(path, found).asked()
-            if said is None:
-                raise InputError(path.name, "", "columns that are known", "no answer")
-        self.desk.bring(with_source(self.desk.now, Source(path, said)))
+        async with self.asking:
+            found = await asyncio.to_thread(mapped, path)
+            headers = tuple(s.header for s in found.survey.columns)
+            said = self.said.get(headers)
+            if said is not None:
+                found = await asyncio.to_thread(mapped, path, said)
+                ui.notify(f"{path.name}: read as the file before with these columns")
+            if found.trouble or (said is None and not found.needless):
+                said = await MappingDialog(path, found).asked()
+                if said is None:
+                    path.unlink()
+                    ui.notify(f"{path.name}: left out")
+                    return
+                self.said[headers] = said
+            self.desk.bring(with_source(self.desk.now, Source(path, said)))
+            await asyncio.to_thread(self.desk.jobs.wait)

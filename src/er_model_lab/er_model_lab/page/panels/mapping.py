@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Awaitable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from er_records.mapping.guess import LIKELY, Guess
+from er_records.mapping.guess import LIKELY, Guess, si_of
 from er_records.mapping.mapping import Mapped, sure_in_words
 from er_records.mapping.survey import Seen
+from er_records.readers.names import TIME, Source
+from er_records.readers.units import FIELD, UNITS
 from er_records.record import CHANNELS
 from nicegui import ui
 
 from er_model_lab.output.report.thin import min_max
 from er_model_lab.output.text.units import short
 
-NONE = "(none)"
-ASKED = ("t", "deflection", "deflection_velocity", "duty", "damper_force")
+NONE, CONSTANT, RATE = "(none)", "(constant)", "(steps of one rate)"
+ASKED = (TIME, "deflection", "deflection_velocity", "duty", "damper_force")
 """Channels that are always asked for; others where they are guessed."""
+MADE = {TIME: (RATE, "rate", "Hz"), "duty": (CONSTANT, "value", "duty")}
+"""Channels that need no column: how the choice is called, and the key and label of the number that makes them."""
 PREVIEW = (120, 26)
 """Size of the picture of a column [px]."""
 
@@ -28,16 +33,17 @@ class MappingDialog:
 
     def __init__(self, path: Path, found: Mapped) -> None:
         self.path, self.found = path, found
-        self.given: dict[str, Any] = {}
+        self.choices: list[Choice] = []
 
     async def asked(self) -> dict[str, Any] | None:
         """What the user says, as `load(names=...)` takes it; None where the dialogue was left."""
-        with ui.dialog() as dialog, ui.card().classes("w-full max-w-3xl"):
+        with ui.dialog() as dialog, ui.card().classes("w-full max-w-4xl"):
             ui.label(f"What are the columns of {self.path.name}?").classes("text-lg").props(
                 "role=heading aria-level=2"
             )
             self._columns()
-            self._choices()
+            more = [c for c in CHANNELS if c in self.found.guesses and c not in ASKED]
+            self.choices = [Choice(self, channel) for channel in (*ASKED, *more)]
             self.says = ui.label().props("role=status")
             with ui.row():
                 self.use = ui.button("Use", on_click=lambda: dialog.submit(self.found.names))
@@ -57,52 +63,132 @@ class MappingDialog:
                     with ui.element("td"):
                         ui.html(picture(seen), sanitize=False)
 
-    def _choices(self) -> None:
-        headers = [s.header for s in self.found.survey.columns]
-        more = [c for c in CHANNELS if c in self.found.guesses and c not in ASKED]
-        for channel in (*ASKED, *more):
-            guess = self.found.guesses.get(channel)
-            with ui.row().classes("w-full items-center no-wrap"):
-                chosen = ui.select(
-                    [NONE, *headers], label=channel,
-                    value=guess.seen.header if guess and guess.sure >= LIKELY else NONE,
-                ).classes("grow").props("dense")  # fmt: skip
-                flip = ui.checkbox("flip sign").props("dense")
-                if guess:
-                    ui.label(_said(guess)).classes("text-xs muted").tooltip(", ".join(guess.why))
-
-                async def change(
-                    _: Any = None, channel: str = channel, chosen: Any = chosen, flip: Any = flip
-                ) -> None:
-                    column = None if chosen.value == NONE else chosen.value
-                    self.given[channel] = (
-                        {"from": column, "sign": -1} if column and flip.value else column
-                    )
-                    await self._again()
-
-                chosen.on_value_change(change)
-                flip.on_value_change(change)
-
-    async def _again(self) -> None:
+    async def again(self) -> None:
+        """Guess anew beside what the user says by now."""
         from er_model_lab.verbs.map import map as mapped
 
-        self.found = await asyncio.to_thread(mapped, self.path, dict(self.given))
+        given = {c.channel: c.given for c in self.choices if c.touched}
+        self.found = await asyncio.to_thread(mapped, self.path, given)
         self._judge()
 
     def _judge(self) -> None:
-        good = bool(self.found.records) and not self.found.trouble
+        for choice in self.choices:
+            choice.show()
+        missing = [f"{c.channel}: {c.open}" for c in self.choices if c.open]
+        good = bool(self.found.records) and not self.found.trouble and not missing
         seconds = sum(len(r) * r.dt for r in self.found.records)
+        parts = len(self.found.records)
         self.says.text = (
-            f"reads as {seconds:.4g} s of measurements"
+            f"reads as {seconds:.4g} s of measurements" + f" in {parts} parts" * (parts > 1)
             if good
-            else self.found.trouble or "no column is known yet"
+            else "; ".join(missing) or self.found.trouble or "no column is known yet"
         )
         self.use.set_enabled(good)
 
 
-def _said(guess: Guess) -> str:
-    """How sure a guess is; one that is too weak to be taken is only named."""
-    return sure_in_words(guess) if guess.sure >= LIKELY else f"perhaps {guess.seen.header}"
+class Choice:
+    """What one channel is: column, unit, factor or full scale, and sign; what the user leaves open is guessed."""
+
+    def __init__(self, dialog: MappingDialog, channel: str) -> None:
+        self.dialog, self.channel = dialog, channel
+        self.touched: set[str] = set()
+        self.shown: dict[str, Any] = {}
+        headers = [s.header for s in dialog.found.survey.columns]
+        made = [MADE[channel][0]] if channel in MADE else []
+        units = [*UNITS[si_of(channel)], *(FIELD if channel == "duty" else ())]
+        with ui.row().classes("w-full items-center gap-2"):
+            self.parts: dict[str, Any] = {
+                "from": ui.select([NONE, *made, *headers], label=channel).classes("grow"),
+                "unit": ui.select({"": "stated, or SI", **{u: u for u in units}}, label="unit").classes("w-28"),
+                "number": ui.number(label=self.factor, min=0.0).classes("w-24").props("clearable"),
+                "sign": ui.checkbox("flip sign").classes("w-24"),
+            }  # fmt: skip
+            with ui.element("div").classes("w-32"):
+                self.perhaps = ui.button(on_click=self._take).props("flat dense no-caps size=sm")
+                self.said = ui.label().classes("text-xs muted")
+                with self.said:
+                    self.why = ui.tooltip("")
+        if channel == TIME:
+            self.parts["sign"].style("visibility: hidden")
+        for part, widget in self.parts.items():
+            widget.props("dense").on_value_change(lambda e, part=part: self._heard(part, e.value))
+
+    @property
+    def factor(self) -> str:
+        """What the number is beside a column."""
+        return "1 is" if self.channel == "duty" else "times"
+
+    @property
+    def given(self) -> Any:
+        """What the user says of it, as `names=` takes it; None where it has no column."""
+        column, unit, number, sign = (
+            self.parts[k].value for k in ("from", "unit", "number", "sign")
+        )
+        if column == NONE:
+            return None
+        if self._makes(column):
+            return {MADE[self.channel][1]: float(number or 0.0)}
+        said: dict[str, Any] = {"from": column}
+        if "unit" in self.touched and unit:
+            said["unit"] = unit
+        if "number" in self.touched and number:
+            said["full_scale" if self.channel == "duty" else "scale"] = float(number)
+        if "sign" in self.touched:
+            said["sign"] = -1 if sign else 1
+        return said
+
+    @property
+    def open(self) -> str:
+        """What is still to be said of a column that the user gave; '' where nothing is."""
+        guess = self.dialog.found.guesses.get(self.channel)
+        return guess.why[-1] if self.touched and guess is not None and guess.sure < LIKELY else ""
+
+    def show(self) -> None:
+        """What counts now, said or guessed."""
+        guess = self.dialog.found.guesses.get(self.channel)
+        weak = guess is not None and guess.sure < LIKELY and not self.touched
+        self.perhaps.set_visibility(weak)
+        self.said.set_visibility(guess is not None and not weak)
+        if guess is not None:
+            self.perhaps.text = f"perhaps {guess.seen.header}"
+            self.said.text, self.why.text = sure_in_words(guess), ", ".join(guess.why)
+        if self.open:
+            self.said.text = self.open
+        source = Source() if guess is None or weak else guess.source
+        if not self._makes(self.parts["from"].value):
+            self._set("from", guess.seen.header if guess is not None and not weak else NONE)
+            self._set("unit", source.unit)
+            self._set("number", source.full_scale if self.channel == "duty" else source.scale)
+            self._set("sign", source.sign < 0.0)
+        column = self.parts["from"].value
+        for part in ("unit", "sign"):
+            self.parts[part].set_enabled(column != NONE and not self._makes(column))
+        self.parts["number"].set_enabled(column != NONE)
+        label = MADE[self.channel][2] if self._makes(column) else self.factor
+        self.parts["number"].props(f'label="{label}"')
+
+    def _makes(self, column: str) -> bool:
+        return self.channel in MADE and column == MADE[self.channel][0]
+
+    def _set(self, part: str, value: Any) -> None:
+        """Show a value that the user did not give."""
+        self.shown[part] = value
+        self.parts[part].set_value(value)
+
+    def _heard(self, part: str, value: Any) -> Awaitable[None] | None:
+        """What follows from a change; nothing where the program made it."""
+        if part in self.shown and value == self.shown[part]:
+            return None
+        self.shown[part] = value
+        self.touched = {"from"} if part == "from" else {*self.touched, "from", part}
+        if self._makes(self.parts["from"].value) and not self.parts["number"].value:
+            self.show()  # its number is still to be given
+            return None
+        return self.dialog.again()
+
+    def _take(self) -> None:
+        guess: Guess = self.dialog.found.guesses[self.channel]
+        self.parts["from"].set_value(guess.seen.header)
 
 
 def picture(seen: Seen) -> str:
