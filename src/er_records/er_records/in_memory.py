@@ -15,7 +15,7 @@ from er_records.dataset import Dataset
 from er_records.provenance import content_digest
 from er_records.readers.columns import made, resolve, scales_of, to_si
 from er_records.readers.names import TIME, Given, parsed
-from er_records.record import CHANNELS, Record, unit_of
+from er_records.record import CHANNELS, Array, Record, unit_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,12 +52,15 @@ def from_frame(frame: pd.DataFrame, names: Given | None = None, *, name: str = "
     header, path = [str(column) for column in frame.columns], Path(name)
     timed = TIME in header or TIME in (names or {}) or any(h.startswith("t ") for h in header)
     columns, notes = resolve(path, header, parsed(names), needs_time=timed)
-    channels = {c.name: made(c, len(frame)) for c in columns if c.index < 0}
+    channels: dict[str, Array] = {}
     for column in (c for c in columns if c.index >= 0):
         raw = _numbers(name, column.name, frame.iloc[:, column.index])
         channels[column.name], how = to_si(column, raw)
         notes += how
-    t = channels.pop(TIME) if timed else _numbers(name, TIME, frame.index)
+    index = None if timed else _numbers(name, TIME, frame.index)
+    absent = [c for c in columns if c.index < 0]
+    channels |= made(path, absent, len(frame), channels.get(TIME, index))
+    t = channels.pop(TIME) if index is None else index
     scales = scales_of(columns)
     return _dataset(Record(name, t, channels, tuple(notes), source=name, scales=scales))
 

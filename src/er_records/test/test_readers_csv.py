@@ -210,6 +210,12 @@ def test_a_recorder_with_pauses_is_read_by_its_times_of_day(tmp_path: Path) -> N
     assert (len(first), len(second)) == (400, 600)
     assert second.t[0] - first.t[0] == pytest.approx(50.0, abs=1e-6)
     assert first.channels["deflection"].max() == pytest.approx(0.01, rel=1e-3)
+    parts = load([path], names | {"duty": {"value": [0.25, 1]}})
+    assert [set(part.channels["duty"]) for part in parts] == [{0.25}, {1.0}]
+    with pytest.raises(
+        InputError, match=r"duty.value: expected 2 values, one for each part .* found 3"
+    ):
+        load([path], names | {"duty": {"value": [0, 0.25, 1]}})
 
 
 def test_bad_files_give_one_clear_line_each(tmp_path: Path) -> None:

@@ -107,7 +107,7 @@ def _answers(found: Mapped) -> dict[str, Any]:
     given: dict[str, Any] = {}
     for channel in ASKED:
         guess = found.guesses.get(channel)
-        default = guess.seen.header if guess else "-"
+        default = guess.offer if guess else "-"
         answer = typer.prompt(f"{channel}: column (name or number, - for none)", default=default)
         if answer.isdigit() and 0 < int(answer) <= len(columns):
             answer = columns[int(answer) - 1].header

@@ -23,6 +23,10 @@ PHYSICS, AGAINST = 0.1, -0.25
 """What a relation to other columns adds where it holds, and where it contradicts."""
 LARGEST = {"deflection": 1.0, "deflection_velocity": 20.0, "damper_force": 1e6, "duty": 1.0}
 """Largest believable magnitudes [SI]: beyond them a column without a unit is of another one."""
+SMALLER = {"m": "mm", "m/s": "mm/s"}
+"""What a motion without a unit is offered in that is too large for SI."""
+STEPS = (1e-5, 0.1)
+"""Between these a recorder steps [s]: a time without a unit is in the largest one that brings it there."""
 VOLTAGE = 0.02
 """What a current is preferred by to a voltage."""
 CONTRACT = "the name of docs/data.md"
@@ -56,6 +60,17 @@ class Guess:
     def unit(self) -> str:
         """The unit that counts; '' where none is known."""
         return self.source.unit or self.seen.unit
+
+    @property
+    def offer(self) -> str:
+        """The column as a user may say it, with the unit that it must be in where it states none."""
+        unit = SMALLER.get(si_of(self.channel), "") if not self.unit and self.too_large else ""
+        return f"{self.seen.header} [{unit}]" if unit else self.seen.header
+
+    @property
+    def too_large(self) -> bool:
+        """Whether what the column holds cannot be in SI units."""
+        return max(abs(self.seen.low), abs(self.seen.high)) > LARGEST.get(self.channel, math.inf)
 
     @property
     def factor(self) -> float | None:
@@ -145,15 +160,28 @@ def _timed(
         return {c: g for c, g in found.items() if c != TIME or (TIME in given)}
     rising = [s for s in survey.columns if physics.is_time(s.samples)]
     if TIME in found:
-        return found | {TIME: found[TIME].more(PHYSICS, "rises steadily")}
+        return found | {TIME: _by_its_steps(found[TIME].more(PHYSICS, "rises steadily"))}
     used = {g.seen.name for g in found.values()}
     free = [s for s in rising if s.name not in used]
     if free:
         counts = np.array_equal(np.unique(np.diff(free[0].samples)), [1.0])
         why = ("rises steadily", *["but may count rows"] * counts)
         sure = LIKELY - 0.2 * counts
-        found = found | {TIME: Guess(TIME, free[0], Source(free[0].header), sure, why)}
+        found = found | {
+            TIME: _by_its_steps(Guess(TIME, free[0], Source(free[0].header), sure, why))
+        }
     return found
+
+
+def _by_its_steps(guess: Guess) -> Guess:
+    """A time without a unit, in the one that a recorder's steps are of."""
+    step = float(np.median(np.diff(guess.seen.samples)))
+    low, high = STEPS
+    if guess.unit or step <= high:
+        return guess
+    unit = next((u for u in ("ms", "us", "ns") if low <= step * UNITS["s"][u] <= high), "")
+    why = f"in {unit}: as seconds it would step by {step:.3g} s"
+    return guess.more(0.0, why, unit=unit) if unit else guess
 
 
 def time_of(found: Mapping[str, Guess], given: Mapping[str, Source], seen: Seen) -> Array:
@@ -221,7 +249,7 @@ def _with_velocity(
         return found
     used = {g.seen.name for g in found.values()}
     guess = found.get("deflection_velocity")
-    if guess is None and "deflection_velocity" not in given:
+    if "deflection_velocity" not in given and not _derived(x, guess, t):
         each = {
             s.header: (physics.derivative(x.seen.samples, s.samples, t), s)
             for s in same
@@ -229,6 +257,7 @@ def _with_velocity(
         }
         best = max(each.values(), key=lambda d: abs(d[0].correlation), default=None)
         if best is not None and best[0].holds:
+            found = {c: g for c, g in found.items() if g.seen.header != best[1].header}
             guess = Guess("deflection_velocity", best[1], Source(best[1].header), LIKELY)
     if guess is None or guess.seen.samples.size != t.size:
         return found
@@ -244,6 +273,13 @@ def _with_velocity(
     if relation.gain < 0.0 and "deflection_velocity" not in _literal(given):
         guess = guess.more(0.0, "turned against the deflection", sign=-1.0)
     return found | {"deflection": x, "deflection_velocity": guess}
+
+
+def _derived(x: Guess, guess: Guess | None, t: Array) -> bool:
+    """Whether a guessed velocity is the derivative of the deflection."""
+    if guess is None or guess.seen.samples.size != t.size:
+        return guess is not None  # at other times it cannot be told
+    return physics.derivative(x.seen.samples, guess.seen.samples, t).holds
 
 
 def _unit_by(guess: Guess, factor: float | None) -> Guess:
@@ -321,10 +357,9 @@ def _finished(guess: Guess) -> Guess:
     if guess.unit and guess.factor is None:
         return guess.more(-0.5, f"unknown unit {guess.unit}")
     if not guess.unit and guess.channel != TIME:
-        largest = LARGEST.get(guess.channel, math.inf)
-        if guess.why[:1] == (CONTRACT,) and high <= largest:
+        if guess.why[:1] == (CONTRACT,) and not guess.too_large:
             return guess
-        if high > largest:
+        if guess.too_large:
             return guess.more(-0.5, "no unit, and too large for SI")
         return guess.more(-0.05, "no unit: taken as SI")
     return guess

@@ -141,6 +141,8 @@ def _plain(source: Source) -> Any:
     }
     entry = {k: v for k, v in said.items() if v != getattr(NOTHING, k)}
     entry = {k: int(v) if k == "sign" else v for k, v in entry.items()}
+    if source.value is not None:
+        entry["value"] = list(source.value) if len(source.value) > 1 else source.value[0]
     if not entry:
         return source.column
     return ({"from": source.column} if source.column else {}) | entry
@@ -208,5 +210,5 @@ def sure_in_words(guess: Guess) -> str:
 
 def option(channel: str, guess: Guess | None = None) -> str:
     """The option that says what a channel is."""
-    column = guess.seen.header if guess else "COLUMN [unit]"
+    column = guess.offer if guess else "COLUMN [unit]"
     return f"--set {channel}={json.dumps(column, ensure_ascii=False)}"

@@ -10,10 +10,12 @@ from pathlib import Path
 
 import numpy as np
 from er_models.errors import InputError
+from numpy.typing import NDArray
 
 from er_records.readers.names import NOTHING, TIME, Given, Names, Source, parsed
 from er_records.readers.units import UNITS, ZERO, known_unit, quantities
 from er_records.record import CHANNELS, Array, cure, unit_of
+from er_records.timing import HOLE
 
 SYNONYMS: dict[str, str] = {
     "time": TIME, "timestamp": TIME, "seconds": TIME,
@@ -132,11 +134,40 @@ def _made(name: str, source: Source) -> Column:
     return Column(-1, name, 1.0, "", source=source)
 
 
-def made(column: Column, n: int) -> Array:
-    """Samples (n,) of a channel that no column holds [SI]: equal steps of time, or a constant."""
-    if column.source.rate is not None:
-        return np.asarray(np.arange(n) / column.source.rate)
-    return np.full(n, float(column.source.value or 0.0))
+def made(path: Path | str, columns: Sequence[Column], n: int, t: Array | None) -> dict[str, Array]:
+    """Samples (n,) of the channels that no column holds [SI]: equal steps of time, constants, or a constant a part.
+
+    t: times (n,) [s] of the columns; None where a rate makes them.
+
+    Raises:
+        InputError: Fewer pauses in time than constants need.
+    """
+    found: dict[str, Array] = {}
+    for column in sorted(columns, key=lambda c: c.name != TIME):
+        if column.name == TIME:
+            t = found[TIME] = np.arange(n) / (column.source.rate or 1.0)
+        else:
+            values = column.source.value or (0.0,)
+            part = (
+                np.zeros(n, dtype=np.int64)
+                if len(values) == 1 or t is None
+                else _parts(path, column, t)
+            )
+            found[column.name] = np.asarray(values)[part]
+    return found
+
+
+def _parts(path: Path | str, column: Column, t: Array) -> NDArray[np.int64]:
+    """Which of a channel's constants counts for each row (n,): the longest pauses part them."""
+    values = column.source.value or ()
+    steps = np.diff(t)
+    pauses = np.flatnonzero(steps > HOLE * np.median(steps))
+    if pauses.size < len(values) - 1:
+        most = pauses.size + 1
+        expected = f"{most} value{'s' * (most > 1)}, one for each part between pauses"
+        raise InputError(path, f"{column.name}.value", expected, len(values))
+    longest = np.sort(pauses[np.argsort(-steps[pauses], kind="stable")[: len(values) - 1]])
+    return np.asarray(np.searchsorted(longest, np.arange(t.size)))
 
 
 def _ignored(path: Path, cells: list[tuple[str, str]], read: set[str], own: Names) -> list[str]:

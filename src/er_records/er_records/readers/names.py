@@ -41,8 +41,8 @@ class Source:
 
     column: name in the file, '' where `rate` or `value` makes it; unit: of the column, '' as the file states it;
     scale: factor to SI beside the unit; full_scale: what a duty of 1 is in the column; sign: 1 or -1; offset: added
-    last [SI]; rate: of a time that the file does not hold [Hz]; value: of a channel that is constant [SI]; signed:
-    whether somebody said the sign.
+    last [SI]; rate: of a time that the file does not hold [Hz]; value: of a channel that is constant [SI], one
+    for each part of the record that a pause ends; signed: whether somebody said the sign.
     """
 
     column: str = ""
@@ -52,7 +52,7 @@ class Source:
     sign: float = 1.0
     offset: float = 0.0
     rate: float | None = None
-    value: float | None = None
+    value: tuple[float, ...] | None = None
     signed: bool = field(default=False, compare=False)
 
 
@@ -101,16 +101,14 @@ def _source(where: str, channel: str, entry: Mapping[str, Any]) -> Source:
             )
     numbers = {
         key: _number(where, f"{channel}.{key}", entry[key])
-        for key in ("scale", "full_scale", "sign", "offset", "rate", "value") if key in entry
+        for key in ("scale", "full_scale", "sign", "offset", "rate") if key in entry
     }  # fmt: skip
     for key in ("from", "unit"):
         if not isinstance(entry.get(key, ""), str):
             raise InputError(where, f"{channel}.{key}", "text", repr(entry[key]))
-    made = ("rate",) if channel == TIME else ("value",)
-    if not entry.get("from") and not any(key in numbers for key in made):
-        raise InputError(
-            where, channel, f"'from' and a column's name, or '{made[0]}'", dict(entry)
-        )
+    made = "rate" if channel == TIME else "value"
+    if not entry.get("from") and made not in entry:
+        raise InputError(where, channel, f"'from' and a column's name, or '{made}'", dict(entry))
     if abs(numbers.get("sign", 1.0)) != 1.0:
         raise InputError(where, f"{channel}.sign", "1 or -1", entry["sign"])
     for key in ("scale", "full_scale", "rate"):
@@ -118,9 +116,20 @@ def _source(where: str, channel: str, entry: Mapping[str, Any]) -> Source:
             raise InputError(where, f"{channel}.{key}", "a number above 0", entry[key])
     if "full_scale" in numbers and channel != "duty":
         raise InputError(where, f"{channel}.full_scale", "the full scale of a duty alone", channel)
+    value = _values(where, f"{channel}.value", entry["value"]) if "value" in entry else None
     return Source(
-        entry.get("from", ""), entry.get("unit", ""), **numbers, signed="sign" in numbers
+        entry.get("from", ""),
+        entry.get("unit", ""),
+        **numbers,
+        value=value,
+        signed="sign" in numbers,
     )
+
+
+def _values(where: str, key: str, found: Any) -> tuple[float, ...]:
+    """A constant, or one for each part of a record."""
+    each = found if isinstance(found, list | tuple) and found else [found]
+    return tuple(_number(where, key, x) for x in each)
 
 
 def _number(where: str, key: str, found: Any) -> float:

@@ -64,7 +64,8 @@ def record(table: Table, names: Given | Names | None = None) -> Record:
         found, said = joined(table.path, own, found)
         notes += said
     n = next((y.size for y in found.values()), 0)
-    found |= {c.name: made(c, n) for c in columns if c.index < 0 and c.name not in found}
+    absent = [c for c in columns if c.index < 0 and c.name not in found]
+    found |= made(table.path, absent, n, found.get(TIME))
     t = found.pop(TIME)
     result = Record(
         table.path.stem, t, found, (*table.notes, *notes), table.complete, str(table.path), table.digest,

@@ -22,7 +22,7 @@ from er_model_lab.output.text.units import short
 NONE, CONSTANT, RATE = "(none)", "(constant)", "(steps of one rate)"
 ASKED = (TIME, "deflection", "deflection_velocity", "duty", "damper_force")
 """Channels that are always asked for; others where they are guessed."""
-MADE = {TIME: (RATE, "rate", "Hz"), "duty": (CONSTANT, "value", "duty")}
+MADE = {TIME: (RATE, "rate", "Hz"), "duty": (CONSTANT, "value", "0 ... 1")}
 """Channels that need no column: how the choice is called, and the key and label of the number that makes them."""
 PREVIEW = (120, 26)
 """Size of the picture of a column [px]."""
@@ -100,7 +100,7 @@ class Choice:
             self.parts: dict[str, Any] = {
                 "from": ui.select([NONE, *made, *headers], label=channel).classes("grow"),
                 "unit": ui.select({"": "stated, or SI", **{u: u for u in units}}, label="unit").classes("w-28"),
-                "number": ui.number(label=self.factor, min=0.0).classes("w-24").props("clearable"),
+                "number": ui.input(label=self.factor, validation=self._wrong).classes("w-24"),
                 "sign": ui.checkbox("flip sign").classes("w-24"),
             }  # fmt: skip
             with ui.element("div").classes("w-32"):
@@ -108,6 +108,7 @@ class Choice:
                 self.said = ui.label().classes("text-xs muted")
                 with self.said:
                     self.why = ui.tooltip("")
+        self.parts["number"].props("hide-bottom-space")
         if channel == TIME:
             self.parts["sign"].style("visibility: hidden")
         for part, widget in self.parts.items():
@@ -127,12 +128,12 @@ class Choice:
         if column == NONE:
             return None
         if self._makes(column):
-            return {MADE[self.channel][1]: float(number or 0.0)}
+            return {MADE[self.channel][1]: numbers_in(number)}
         said: dict[str, Any] = {"from": column}
         if "unit" in self.touched and unit:
             said["unit"] = unit
         if "number" in self.touched and number:
-            said["full_scale" if self.channel == "duty" else "scale"] = float(number)
+            said["full_scale" if self.channel == "duty" else "scale"] = numbers_in(number)
         if "sign" in self.touched:
             said["sign"] = -1 if sign else 1
         return said
@@ -150,7 +151,7 @@ class Choice:
         self.perhaps.set_visibility(weak)
         self.said.set_visibility(guess is not None and not weak)
         if guess is not None:
-            self.perhaps.text = f"perhaps {guess.seen.header}"
+            self.perhaps.text = f"perhaps {guess.offer}"
             self.said.text, self.why.text = sure_in_words(guess), ", ".join(guess.why)
         if self.open:
             self.said.text = self.open
@@ -158,7 +159,8 @@ class Choice:
         if not self._makes(self.parts["from"].value):
             self._set("from", guess.seen.header if guess is not None and not weak else NONE)
             self._set("unit", source.unit)
-            self._set("number", source.full_scale if self.channel == "duty" else source.scale)
+            factor = source.full_scale if self.channel == "duty" else source.scale
+            self._set("number", "" if factor is None else f"{factor:.9g}")
             self._set("sign", source.sign < 0.0)
         column = self.parts["from"].value
         for part in ("unit", "sign"):
@@ -169,6 +171,17 @@ class Choice:
 
     def _makes(self, column: str) -> bool:
         return self.channel in MADE and column == MADE[self.channel][0]
+
+    def _wrong(self, number: str) -> str | None:
+        """What is wrong with the number that was typed."""
+        try:
+            found = numbers_in(number) if number else 1.0
+        except ValueError:
+            return "no number"
+        several = isinstance(found, list) and not (
+            self._makes(self.parts["from"].value) and self.channel != TIME
+        )
+        return "one number" if several else None
 
     def _set(self, part: str, value: Any) -> None:
         """Show a value that the user did not give."""
@@ -187,8 +200,18 @@ class Choice:
         return self.dialog.again()
 
     def _take(self) -> None:
+        """Use the column that is offered, in the unit that is."""
         guess: Guess = self.dialog.found.guesses[self.channel]
+        unit = guess.offer.removeprefix(guess.seen.header).strip(" []")
         self.parts["from"].set_value(guess.seen.header)
+        if unit:
+            self.parts["unit"].set_value(unit)
+
+
+def numbers_in(text: str) -> float | list[float]:
+    """A number, or several parted by commas: a constant for each part of the record."""
+    each = [float(part) for part in text.split(",")]
+    return each if len(each) > 1 else each[0]
 
 
 def picture(seen: Seen) -> str:
