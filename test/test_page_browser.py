@@ -131,7 +131,9 @@ def test_columns_of_a_foreign_rig_are_told_once_and_a_new_model_is_scaled_to_the
         expect(use).to_be_disabled()
         choose("unit", "mm", 1)
         expect(state).to_have_text("reads as 9 s of measurements")
-        expect(asked.get_by_text("ms", exact=True)).to_be_visible()  # as seconds it would step by 5
+        expect(
+            asked.get_by_text("ms", exact=True)
+        ).to_be_visible()  # as seconds it would step by 5
         choose("damper_force", "ch3")
         choose("duty", "(constant)")
         constant = asked.get_by_role("textbox", name="0 ... 1")
