@@ -7,8 +7,13 @@ import pytest
 from er_model_lab.problem.held_out import STRETCHES, every_third, spared_stretches, split
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.diagnosis import unseen
-from er_models.prediction import Motion, join, motion
-from lab_help import problem_of
+from er_models.files import load_model
+from er_models.prediction import Motion, join, motion, predict
+from er_records.dataset import Dataset
+from er_records.record import Record
+from lab_help import FORCE_NOISE, GUO, imposed, problem_of
+
+import er_model_lab as lab
 
 N = 4000
 DT = 0.005
@@ -101,3 +106,29 @@ def test_no_record_that_alone_reaches_far_is_held_out():
     ]
     _, held = split(join(alike))
     assert held[2200:3900].all()
+
+
+def test_the_model_stays_as_given_where_what_is_learnt_errs_more_on_held_out_data():
+    """Training runs whose load cell read 1.3 times the force; another run with the truth, which the model holds."""
+    rng, model = np.random.default_rng(5), load_model(GUO)
+
+    def run(name, gain, n):
+        x, v, a, u = imposed(rng, n)
+        force = gain * predict(model, motion(DT, x, v, u, a)) + FORCE_NOISE * rng.standard_normal(
+            n
+        )
+        given = {"deflection": x, "deflection_velocity": v, "duty": u, "damper_force": force}
+        return Record(name, np.arange(n) * DT, given)
+
+    data = Dataset.of([run("wrong", 1.3, 2400)], [run("right", 1.0, 1200)])
+    result = lab.improve(data, model, seed=1)
+    found = result.to_dict()
+    assert result.model.effects == model.effects
+    assert found["effects"] == []
+    assert found["verdict"] in ("insufficient_data", "adequate")
+    assert found["rmse_after"]["held_out"] == pytest.approx(found["rmse_as_given"], rel=1e-9)
+    assert found["rmse_after"]["held_out"] == pytest.approx(FORCE_NOISE, rel=0.1)
+    assert any(
+        note.startswith("the model stays as it was given: on held-out data it errs by")
+        for note in found["notes"]
+    )

@@ -141,7 +141,8 @@ def test_several_effects_that_leave_much_may_stand_for_one(effects, left, said):
         floor=1.0, line=(0, 0, 0.0), measured=None, parts={}, of_sensors=1.0, explained=0.0
     )
     best = seen(mse=left**2, effects=("a", "b")[:effects])
-    found = evidence(best, None, floor, 0.0, 1.0, (), SimpleNamespace(blocking=()), (), Rule())
+    cover = SimpleNamespace(blocking=(), unlike="")
+    found = evidence(best, None, floor, 0.0, 1.0, (), cover, (), Rule())
     assert found.too_many == said
 
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from er_model_lab.motion.repetition import FEW_CURVES, REMEDY, curves, one_curve
+from er_model_lab.motion.unlike_records import REMEDY as APART
+from er_model_lab.motion.unlike_records import Course, unlike
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.problem import Problem
 
@@ -23,7 +26,8 @@ class Coverage:
     """Ranges of the data, what blocks a verdict, and hints on what to record next.
 
     tones: number of frequencies that carry 95 % of the motion; curves: number of closed curves that the motion runs
-    through again and again, 0 where it does not repeat itself.
+    through again and again, 0 where it does not repeat itself; unlike: that the force of two records differs at the
+    same motion, in a sentence, or ''.
     """
 
     deflection: float
@@ -35,6 +39,7 @@ class Coverage:
     blocking: tuple[str, ...]
     hints: tuple[str, ...]
     curves: int = 0
+    unlike: str = ""
 
 
 def coverage(problem: Problem) -> Coverage:
@@ -76,8 +81,25 @@ def coverage(problem: Problem) -> Coverage:
             )
     return Coverage(
         float(np.max(np.abs(m.x))), float(np.max(np.abs(m.v))), (float(u.min()), float(u.max())),
-        tones, seconds, float(np.ptp(m.theta)), tuple(blocking), tuple(hints), many,
+        tones, seconds, float(np.ptp(m.theta)), tuple(blocking), tuple(hints), many, _unlike(problem),
     )  # fmt: skip
+
+
+def _unlike(problem: Problem) -> str:
+    """How the force of two records of a damper differs at the same motion; '' where it does not."""
+    if problem.forward.outputs > 1:
+        return ""
+    m, rows = problem.motion, pairwise(problem.motion.starts.tolist())
+    force = (
+        np.where(problem.wild, np.nan, problem.force)
+        if problem.wild is not None
+        else problem.force
+    )
+    found = unlike([
+        Course(name, m.x[i:j], m.v[i:j], m.u[i:j], force[i:j])
+        for name, (i, j) in zip(problem.names, rows, strict=True)
+    ])  # fmt: skip
+    return f"{found}; {APART}" if found else ""
 
 
 def still(problem: Problem) -> bool:

@@ -62,6 +62,7 @@ def evidence(
         within_errors=not added
         and (_within_errors(first, rule) is not None or _hidden(first, floor, beyond_fit)),
         unlike_sensors=not added and _unlike_sensors(best, floor),
+        unlike=cover.unlike,
     )
 
 
@@ -127,6 +128,8 @@ def reasons(
     )
     if floor.learnt is not None:
         left += f" (as a rest or repeats show it; trees and filters leave {floor.learnt[0]:.3g} N unexplained)"
+    if verdict == "insufficient_data" and seen.unlike:
+        return (left, seen.unlike)
     if not seen.effects:
         return (left, *_reasons_of_nothing(verdict, seen, first, floor, rule))
     catalogue = best.fit.model.catalogue

@@ -177,6 +177,8 @@ def judge(
     why = reasons(verdict, seen, base, best, rounds[0], floor, rule)
     if verdict in NOTHING_NAMED:
         best, ties = base, ()
+    if verdict == "insufficient_data" and cover.unlike:
+        cover = replace(cover, blocking=(*cover.blocking, cover.unlike))
     found = Diagnosis(
         verdict, best.effects, ties, base, best, tuple(rounds), floor, rounds[0].null, to_explain,
         explained if best is not base else 0.0, cover, why, seen,

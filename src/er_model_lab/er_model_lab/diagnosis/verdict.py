@@ -35,15 +35,17 @@ class Earlier:
 class Evidence:
     """All that a verdict rests on.
 
-    effects: how many were taken; explained: share [1] of the explainable error that they explain, and `without_lines`
-    the same less what a spectral line hides; too_many: they are as many as a search takes and leave more than noise, or
-    several and leave much more; tied: the data cannot tell some of them apart; loose: effects whose values the data do
-    not determine; slow: effects of heat and ageing beside another, which may be one slow change of another form;
-    blocking: what the data lack, in sentences; remains: that something unknown is left where no effect was taken;
-    within_errors: that an effect gains more than noise does, or that trees predict a part of what is left, but no more
-    than the errors of the motion may cause; unlike_sensors: that more is left than the sensors' noise makes, and no
-    rest or repeat says whether that is noise; with_lag: share explained where the velocity channel was found to lag,
-    which the sensors show whatever the force does; earlier: searches of which this one is the last.
+    effects: how many were taken; explained: share [1] of the explainable error that they explain, and
+    `without_lines` the same less what a spectral line hides; too_many: they are as many as a search takes and leave
+    more than noise, or several and leave much more; tied: the data cannot tell some of them apart; loose: effects
+    whose values the data do not determine; slow: effects of heat and ageing beside another, which may be one slow
+    change of another form; blocking: what the data lack, in sentences; remains: that something unknown is left
+    where no effect was taken; within_errors: that an effect gains more than noise does, or that trees predict a
+    part of what is left, but no more than the errors of the motion may cause; unlike_sensors: that more is left
+    than the sensors' noise makes, and no rest or repeat says whether that is noise; unlike: how the force of two
+    records differs at the same motion, or '': what all share explains no such thing, unless it explains all;
+    with_lag: share explained where the velocity channel was found to lag, which the sensors show whatever the force
+    does; earlier: searches of which this one is the last.
     """
 
     effects: int
@@ -55,6 +57,7 @@ class Evidence:
     remains: bool
     within_errors: bool
     unlike_sensors: bool = False
+    unlike: str = ""
     loose: tuple[str, ...] = ()
     slow: tuple[str, ...] = ()
     with_lag: float | None = None
@@ -64,6 +67,8 @@ class Evidence:
 def decide(seen: Evidence, rule: Rule = RULE) -> Verdict:
     """The verdict."""
     verdict = _on_effects(seen, rule) if seen.effects else _on_nothing(seen)
+    if seen.unlike and verdict not in ("adequate", "missing_effect"):
+        verdict = "insufficient_data"
     if seen.with_lag is not None:
         verdict = _on_lag(verdict, seen.with_lag, rule)
     if seen.earlier is not None:

@@ -13,6 +13,7 @@ from er_models.model import Model
 from er_records.record import Record
 
 from er_model_lab.preflight import excitation, kinematics, samples
+from er_model_lab.preflight.between import between_findings
 from er_model_lab.preflight.finding import ORDER, Finding
 from er_model_lab.preflight.motion import motion_findings
 from er_model_lab.preflight.occupancy import CoverMap, maps
@@ -126,6 +127,7 @@ def preflight(
     if levels:
         found += [f for record in records for f in use_findings(record)]
     found += motion_findings(records)
+    found += between_findings(records)
     found += size_findings(records, model) if model is not None else ()
     courses = [excitation.course_of(bridged(r)) for r in records]
     reach = reach_for(model, excitation.reach_of(courses))

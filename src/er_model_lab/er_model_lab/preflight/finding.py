@@ -22,9 +22,9 @@ MOST = 200
 class Finding:
     """A check of one record.
 
-    check: channels, sampling, dropouts, held, clipping, spikes, ends, units, clock, bias, power, motion or size;
-    channel: the one concerned, or empty; expected and found: as an error says them; remedy: what to do; a finding of
-    level `fail` stops a command; spans: where it is in the record, empty where it is of the whole.
+    check: channels, sampling, dropouts, held, clipping, spikes, ends, units, clock, bias, power, motion, records or
+    size; channel: the one concerned, or empty; expected and found: as an error says them; remedy: what to do; a finding
+    of level `fail` stops a command; spans: where it is in the record, empty where it is of the whole.
     """
 
     check: str

@@ -113,7 +113,7 @@ def _coverage(found: Coverage) -> dict[str, Any]:
     """What the data hold: hints, what stands against a verdict, and the reach of motion and duty."""
     return {
         "hints": list(found.hints), "blocking": list(found.blocking), "velocity": found.velocity,
-        "deflection": found.deflection, "duty": list(found.duty), "tones": found.tones,
+        "deflection": found.deflection, "duty": list(found.duty), "tones": found.tones, "unlike": found.unlike,
     }  # fmt: skip
 
 

@@ -34,6 +34,7 @@ from er_model_lab.results.steps import errors_of, left_of, steps
 from er_model_lab.results.terms import as_study, with_term
 from er_model_lab.results.values import clean, headline
 from er_model_lab.terms.learn import MOST_TERMS, Learnt, learn
+from er_model_lab.verbs.as_given import as_given, ends_worse
 from er_model_lab.verbs.asking import question
 from er_model_lab.verbs.diagnose import offer, result_of
 from er_model_lab.verbs.history import with_history
@@ -96,9 +97,16 @@ def improve(
     made = _pruned(_passes(asked, start, named, keep), asked, start, named)
     if measured_terms and not made.stopped:
         made = _with_terms(made, asked, start, named)
-    made = _estimated(made, asked, start, named)
+    last = made.terms[-1][1] if made.terms else made.studies[-1]
+    why = "" if made.stopped else ends_worse(made.studies[0], last)
+    made = (
+        replace(made, model=asked.model, last=None)
+        if why
+        else _estimated(made, asked, start, named)
+    )
     current = finished(made.model, interrupted=made.stopped)
-    result = with_notes(gone_on(_improved(made, current, asked), start), *made.notes)
+    told = as_given(made.studies[0], asked, why) if why else _improved(made, current, asked)
+    result = with_notes(gone_on(told, start), *made.notes)
     result = result if measured_terms else with_notes(result, last=offer(result, asked))
     content = dict(result.view.result) | {"interrupted": made.stopped}
     kept = with_fits(current, start.noted) if made.stopped else current

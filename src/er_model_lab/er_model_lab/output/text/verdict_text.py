@@ -331,6 +331,8 @@ def _unknown(view: View) -> str:
 
 def _insufficient(view: View) -> str:
     blocking = (view.result.get("coverage") or {}).get("blocking") or ()
+    if differ := (view.result.get("coverage") or {}).get("unlike"):
+        return f"The records are unlike: {differ}."
     if blocking:
         return f"What is missing: {'; '.join(blocking)}."
     why = [*(view.result.get("reasons") or ())][-1:]
