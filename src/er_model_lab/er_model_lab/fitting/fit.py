@@ -7,7 +7,7 @@ the normal equations are kept, so that cross-validation costs one linear solve p
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
 
 import numpy as np
 from er_models.effect import CONTACT, SMOOTH
@@ -140,24 +140,33 @@ def fit(
     steps before one in the usual ones; where the second or a later one leads to the end, that counts as a fit whose
     iterations were used up.
     """
-    forward = problem.forward
+    forward, rules = problem.forward, _Rules(target, max_iter, tol, sketch, looks)
     box = Box(
         model, free if free is not None else forward.free(model), problem.scales, forward.limits
     )
     start = box.start()
     f = problem.predict(box.model_at(start))
     if problem.noted is None:
-        return _fitted(box, start, f, problem, known, target, max_iter, tol, sketch, looks)[0]
+        return _fitted(box, start, f, problem, known, rules)[0]
     begun = key(
         (start, box.scale, box.low, box.high, f, problem.force, problem.fold, known),
-        (box.free, target, max_iter, tol, sketch, looks),
+        (box.free, *astuple(rules)),
     )
     if begun in problem.noted:
         return _again(problem.noted[begun], box, start, f, problem, known, sketch)
-    found, problem.noted[begun] = _fitted(
-        box, start, f, problem, known, target, max_iter, tol, sketch, looks
-    )
+    found, problem.noted[begun] = _fitted(box, start, f, problem, known, rules)
     return found
+
+
+@dataclass(frozen=True)
+class _Rules:
+    """When a fit ends, as `fit` takes it."""
+
+    target: float
+    max_iter: int
+    tol: float
+    sketch: bool
+    looks: int
 
 
 @dataclass(frozen=True)
@@ -179,40 +188,38 @@ class _Leg:
 
 
 def _fitted(
-    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float, max_iter: int, tol: float,
-    sketch: bool, looks: int,
-) -> tuple[Fit, Noted]:  # fmt: skip
+    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, rules: _Rules
+) -> tuple[Fit, Noted]:
     """A fit from scaled values theta (p,), where the prediction is f (n,), and what makes it again."""
     near = problem.near(box.model_at(theta), f)
-    leg = _leg(box, theta, f, near, known, target, max_iter, tol, sketch)
+    leg = _leg(box, theta, f, near, known, rules)
     if near.forward is not problem.forward:
-        leg = _ended(leg, box, theta, f, problem, known, target, max_iter, tol, sketch, looks)
+        leg = _ended(leg, box, theta, f, problem, known, rules)
     note = Noted(leg.theta.tolist(), leg.at.tolist(), leg.exact, leg.rounds, leg.about.tolist())
-    columns = _none(leg.theta) if sketch else _columns(leg.jacobian, None if leg.exact else known)
+    none = _none(leg.theta) if rules.sketch else None
+    columns = none or _columns(leg.jacobian, None if leg.exact else known)
     return _made(box, leg.theta, leg.f, columns, leg.rounds, problem), note
 
 
 def _ended(
-    coarse: _Leg, box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float,
-    max_iter: int, tol: float, sketch: bool, looks: int,
+    coarse: _Leg, box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, rules: _Rules
 ) -> _Leg:  # fmt: skip
     """A way from theta (p,) in longer steps, on to its end in the usual ones where these see another mean square."""
-    for look in range(looks):
+    for look in range(rules.looks):
         begun, found = theta, problem.predict(box.model_at(coarse.theta))
         true, better = _cost(found, problem), _cost(found, problem) < _cost(f, problem)
         if better:
             theta, f, known = coarse.theta, found, coarse.jacobian
         taken = replace(coarse, theta=theta, f=f, about=begun)
-        early = (better and coarse.rounds >= max_iter) or (
-            coarse.cost > target and not coarse.exact
-        )
+        used_up = better and coarse.rounds >= rules.max_iter
+        early = used_up or (coarse.cost > rules.target and not coarse.exact)
         if early or abs(true - coarse.cost) <= AWAY * coarse.cost:
-            return replace(taken, rounds=max(taken.rounds, max_iter)) if look else taken
-        if not better or look + 1 == looks:
+            return replace(taken, rounds=max(taken.rounds, rules.max_iter)) if look else taken
+        if not better or look + 1 == rules.looks:
             break
         near = problem.near(box.model_at(theta), f)
-        coarse = _leg(box, theta, f, near, known, target, max_iter, tol, sketch)
-    last = _leg(box, theta, f, problem, known, target, max_iter, tol, sketch)
+        coarse = _leg(box, theta, f, near, known, rules)
+    last = _leg(box, theta, f, problem, known, rules)
     if last.exact:
         return last
     return replace(taken, theta=last.theta, f=last.f, rounds=last.rounds)
@@ -231,9 +238,8 @@ def mean_square(left: Array) -> float:
 
 
 def _leg(
-    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, target: float, max_iter: int, tol: float,
-    sketch: bool,
-) -> _Leg:  # fmt: skip
+    box: Box, theta: Array, f: Array, problem: Problem, known: Array | None, rules: _Rules
+) -> _Leg:
     """The way from scaled values theta (p,), where the prediction is f (n,), to the least mean square.
 
     Where known derivatives make no step, or one that is worth little, it ends. Of long data, or where the way is but
@@ -244,10 +250,10 @@ def _leg(
     damping, exact, at = 1e-3, known is None, theta
     jacobian = _jacobian(box, theta, f, problem, known)
     rounds, rests = 0, 0
-    turns = sketch or (problem.motion.n * problem.motion.dt > MANY)
-    while rounds < max_iter and np.isfinite(cost):
+    turns = rules.sketch or (problem.motion.n * problem.motion.dt > MANY)
+    while rounds < rules.max_iter and np.isfinite(cost):
         problem.work.check()
-        rounds += sketch or not rests
+        rounds += rules.sketch or not rests
         j, r = jacobian[train], (y - f)[train]
         h, g = j.T @ j / r.size, j.T @ r / r.size
         trials = _trials(h, g, theta, box, damping)
@@ -259,7 +265,7 @@ def _leg(
                 break
             if exact and not rests:
                 damping *= 30.0
-            elif not rests and cost > target:
+            elif not rests and cost > rules.target:
                 break
             else:
                 jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
@@ -269,13 +275,13 @@ def _leg(
         step, moved = trials[best] - theta, found - f
         theta, f, cost = trials[best], found, tried
         damping = max(damping * DAMPINGS[best], 1e-7)
-        if not rests and (gain < tol or (cost > target and not exact)):
+        if not rests and (gain < rules.tol or (cost > rules.target and not exact)):
             break
-        if near and gain > tol and rests < RESTS and turns:
+        if near and gain > rules.tol and rests < RESTS and turns:
             jacobian, rests = turned(jacobian, step, moved, np.diag(h)), rests + 1
         else:
             jacobian, exact, at, rests = _jacobian(box, theta, f, there, None), True, theta, 0
-    if rests and not sketch:
+    if rests and not rules.sketch:
         jacobian, exact, at = _jacobian(box, theta, f, problem, None), True, theta
     return _Leg(theta, f, jacobian, cost, at, exact, rounds)
 
