@@ -138,3 +138,25 @@ def test_a_sketch_shows_a_few_periods() -> None:
     assert len(drawn) == WIDTH
     assert {BARS[0], BARS[-1]} <= set(drawn) <= set(BARS)
     assert set(sketch(np.zeros(9))) == {"─"}
+
+
+def test_answers_at_a_terminal_are_names_numbers_and_units(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    x = 30.0 * np.sin(2 * np.pi * T)
+    path = tmp_path / "run.csv"
+    table = np.column_stack([T, x, np.gradient(x, T), np.sign(np.gradient(x, T))])
+    np.savetxt(path, table, delimiter=",", header="q1,dist,q2,Kraft", comments="")
+    answers, offered = iter(["1", "2 [mm]", "-", "-", "Kraft"]), list[str]()
+
+    def prompt(asked: str, default: str) -> str:
+        offered.append(default)
+        return next(answers)
+
+    monkeypatch.setattr("typer.prompt", prompt)
+    given = _answers(lab.map(path))
+    assert given == {
+        "t": "q1", "deflection": "dist [mm]", "deflection_velocity": None, "duty": None, "damper_force": "Kraft"
+    }  # fmt: skip
+    assert offered == ["q1", "dist [mm]", "q2 [mm/s]", "-", "Kraft"]
+    assert lab.map(path, given).names["deflection"] == {"from": "dist", "unit": "mm"}

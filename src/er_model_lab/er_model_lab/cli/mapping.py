@@ -108,8 +108,12 @@ def _answers(found: Mapped) -> dict[str, Any]:
     for channel in ASKED:
         guess = found.guesses.get(channel)
         default = guess.offer if guess else "-"
-        answer = typer.prompt(f"{channel}: column (name or number, - for none)", default=default)
-        if answer.isdigit() and 0 < int(answer) <= len(columns):
-            answer = columns[int(answer) - 1].header
+        asked = (
+            f"{channel}: column by name or number, with [unit] where none is stated, - for none"
+        )
+        answer = typer.prompt(asked, default=default)
+        number, *unit = answer.split(maxsplit=1)
+        if number.isdigit() and 0 < int(number) <= len(columns):
+            answer = " ".join([columns[int(number) - 1].header, *unit])
         given[channel] = None if answer.strip() == "-" else answer.strip()
     return given
