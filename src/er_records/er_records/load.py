@@ -37,7 +37,7 @@ def _by(table: Callable[[Path], Table]) -> Reader:
 
 
 TABLES: dict[str, Callable[[Path], Table]] = {
-    ".csv": csv.table, ".tsv": csv.table, ".txt": csv.table, ".dat": csv.table, ".asc": csv.table,
+    ".csv": csv.table, ".tsv": csv.table, ".txt": csv.table, ".dat": csv.table, ".asc": csv.table, ".lvm": csv.table,
     ".parquet": parquet.table, ".mf4": mf4.table, ".mat": mat.table, ".tdms": tdms.table,
 }  # fmt: skip
 """Suffix to what reads the columns of a file."""

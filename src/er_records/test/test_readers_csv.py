@@ -218,6 +218,42 @@ def test_a_recorder_with_pauses_is_read_by_its_times_of_day(tmp_path: Path) -> N
         load([path], names | {"duty": {"value": [0, 0.25, 1]}})
 
 
+def test_heads_of_measuring_programs_are_no_samples(tmp_path: Path) -> None:
+    """LabVIEW's head holds numbers and a line of units; others draw a rule below names and units."""
+    data = columns()
+    t, x, force = (data[k] for k in ("t", "deflection", "damper_force"))
+    rows = list(zip(t, 1e3 * x, force, strict=True))
+    lvm = [
+        "LabVIEW Measurement\t", "Separator\tTab", "***End_of_Header***\t", "\t", "Samples\t600\t600\t",
+        "Date\t2024/03/12\t2024/03/12\t", "Time\t10:12:33,12\t10:12:33,12\t", "Y_Unit_Label\tmm\tN\t",
+        "X0\t0,0E+0\t0,0E+0\t", "Delta_X\t0,005\t0,005\t", "***End_of_Header***\t\t\t",
+        "X_Value\tWeg\tKraft\tComment",
+        *(f"{a:.6f}\t{b:.9f}\t{c:.9f}\t".replace(".", ",") for a, b, c in rows),
+    ]  # fmt: skip
+    ruled = [
+        "   Time        Weg        Kraft", "   [s]         [mm]        [N]", "  -----       -----       -----",
+        *(f"{a:8.4f} {b:14.9f} {c:14.9f}" for a, b, c in rows),
+    ]  # fmt: skip
+    for name, lines, time in (("a.lvm", lvm, "X_Value"), ("b.txt", ruled, "Time")):
+        (tmp_path / name).write_text("\n".join(lines) + "\n")
+        (record,) = load(
+            [tmp_path / name], {"t": time, "deflection": "Weg", "damper_force": "Kraft"}
+        )
+        np.testing.assert_allclose(record.t, t, atol=1e-9)
+        np.testing.assert_allclose(record.channels["deflection"], x, atol=1e-11)
+        np.testing.assert_allclose(record.channels["damper_force"], force, atol=1e-8)
+
+
+@pytest.mark.parametrize("zone", ["", "Z", "+01:00", "-0530"])
+def test_times_of_iso_8601_are_read_with_their_zone(tmp_path: Path, zone: str) -> None:
+    path, t = tmp_path / "run.csv", 0.005 * np.arange(N)
+    lines = [f"2026-11-30T23:59:{58 + s:06.3f}{zone},{s}" for s in t if s < 2.0]
+    lines += [f"2026-12-01T00:00:{s - 2.0:06.3f}{zone},{s}" for s in t if s >= 2.0]
+    path.write_text("\n".join(["timestamp,damper_force", *lines]) + "\n")
+    (record,) = load([path], {"t": "timestamp"})
+    np.testing.assert_allclose(record.t - record.t[0], t, atol=1e-6)
+
+
 def test_bad_files_give_one_clear_line_each(tmp_path: Path) -> None:
     path = tmp_path / "bad.csv"
     rows = "".join(f"{0.005 * k},{1e-3 * k / N},0.1\n" for k in range(N))

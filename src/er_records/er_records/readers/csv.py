@@ -30,13 +30,19 @@ DELIMITERS = (",", ";", "\t")
 MISSING = ("", "nan", "NaN", "NAN", "NA", "null")
 OLD_WINDOWS = "äöüÄÖÜß°µ²³±·éèàç–"
 """What text of measuring programs that is not UTF-8 holds beside ASCII, in Windows-1252."""
-MOST_ABOVE = 60
-"""Lines among which the first numbers are looked for."""
+MOST_ABOVE, SURELY = 60, 10
+"""Lines among which the first numbers are looked for, and how many of them on end are samples, no more of a head."""
 
 HALF_DAY = 43_200.0
 """A step back in a time of day beyond this is midnight [s]."""
-_CLOCK = re.compile(r"(?:^|[ T])(\d{1,2}):(\d{2})(?::(\d{2}(?:[.,]\d+)?))?\s*(?:([AaPp])[Mm])?$")
-"""A time of day, behind a date or not: 23:59:59.995, 2022-04-29T12:11, 04/29/2022 12:11:14.596 PM."""
+_CLOCK = re.compile(
+    r"(?:^|[ T])(\d{1,2}):(\d{2})(?::(\d{2}(?:[.,]\d+)?))?\s*(?:([AaPp])[Mm])?(?:Z|[+-]\d{2}:?\d{2})?$"
+)
+"""A time of day, behind a date or not: 23:59:59.995, 2022-04-29T12:11Z, 04/29/2022 12:11:14.596 PM."""
+_UNITS = re.compile(r"\W*(?:[xy]_)?(?:units?|einheit)", re.IGNORECASE)
+"""How a line begins that tells the units of the columns behind the first: Y_Unit_Label."""
+_RULE = re.compile(r"[-=_+|;,\s]*(?:--|==|__)[-=_+|;,\s]*")
+"""A line that is drawn below names."""
 
 
 @dataclass(frozen=True)
@@ -140,13 +146,16 @@ def _parted(lines: list[str]) -> _Text:
     usual = {d: sorted(line.count(d) for line in body)[len(body) // 2] for d in DELIMITERS}
     delimiter = next((d for d in (";", "\t") if usual[d]), ",")
     if not usual[delimiter] and len(body[0].split()) > 1 and _numeric(body[0].split()):
-        apart = [re.sub(r"\s+(?=[\[(])", "", line) for line in lines]
+        apart = [re.sub(r"(?<=[^\])\s])\s+(?=[\[(])", "", line) for line in lines]
         lines, delimiter = ["\t".join(line.split()) for line in apart], "\t"
         usual[delimiter] = lines[len(lines) // 2].count(delimiter)
     split = [line.split(delimiter) for line in lines[:MOST_ABOVE]]
     width = usual[delimiter] + 1
     wide = [len(cells) == width for cells in split]
-    first = next((i for i, c in enumerate(split) if wide[i] and _numeric(c)), None)
+    good = [wide[i] and (_numeric(c) or not _filled(c)) for i, c in enumerate(split)]
+    first = next(
+        (i for i, c in enumerate(split) if _numeric(c) and all(good[i : i + SURELY])), None
+    )
     if first == 0:
         return _Text(tuple(f"column {i + 1}" for i in range(width)), lines, delimiter, named=False)
     if first is None or not wide[first - 1]:
@@ -154,7 +163,9 @@ def _parted(lines: list[str]) -> _Text:
     units, names = split[first - 1], split[first - 2] if first > 1 else []
     if len(names) == width and any(map(looks_like_unit, units)) and not _numeric(names):
         return _Text(tuple(map(_with_unit, names, units)), lines[first:], delimiter)
-    return _Text(tuple(units), lines[first:], delimiter)
+    told = next((c for i, c in enumerate(split[:first]) if wide[i] and _UNITS.match(c[0])), None)
+    names = units if told is None else [units[0], *map(_with_unit, units[1:], told[1:])]
+    return _Text(tuple(names), lines[first:], delimiter)
 
 
 def _uneven(lines: list[str], split: list[list[str]], delimiter: str, width: int) -> _Text:
@@ -182,9 +193,14 @@ def _with_unit(name: str, unit: str) -> str:
     return f"{name} [{bare}]" if bare and bare not in ("-", "1") else name
 
 
+def _filled(cells: Sequence[str]) -> list[str]:
+    """The cells that are no missing samples."""
+    return [cell for cell in cells if cell.strip().strip('"') not in MISSING]
+
+
 def _numeric(cells: Sequence[str]) -> bool:
     """Whether at least half of the cells that are filled are numbers, or times of day."""
-    filled = [cell for cell in cells if cell.strip()]
+    filled = _filled(cells)
     good = sum(_is_number(c, ".") or _is_number(c, ",") or bool(_CLOCK.search(c)) for c in filled)
     return bool(filled) and 2 * good >= len(filled)
 
@@ -201,6 +217,7 @@ def _lines(path: Path, data: bytes) -> tuple[list[str], list[str], list[str]]:
     marker = f"# {METADATA_KEY} "
     comments = [line[len(marker) :] for line in lines[:first] if line.startswith(marker)]
     rows = [line for line in lines[first:] if line.strip()]
+    rows = [line for line in rows[:MOST_ABOVE] if not _RULE.fullmatch(line)] + rows[MOST_ABOVE:]
     if not rows:
         raise InputError(path, "", "a header row with column names", "only comments")
     return comments[:1], rows, notes
