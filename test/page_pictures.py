@@ -56,9 +56,28 @@ def take(page, name):
     shot.save(PICTURES / f"open_{name}.webp", quality=75, method=6)
 
 
+def columns(page, folder):
+    """A file of a foreign rig, of which the page asks what its columns are."""
+    own = folder / "Kolben.csv"
+    rows = write_sample(own, seed=2, seconds=9.0).read_text(encoding="utf-8").splitlines()[1:]
+    cells = [list(map(float, row.split(","))) for row in rows]
+    lines = (f"{1e3 * t:.0f},{1e3 * x:.5f},{2.0 * u:.2f},{-F:.4f}" for t, x, _, u, F, *_ in cells)
+    own.write_text("\n".join(["Zeit,Weg,Strom [A],CH3", *lines]), encoding="utf-8")
+    page.get_by_role("tab", name="Data").click()
+    page.set_input_files("input[type=file]", own)
+    page.get_by_role("button", name="perhaps Weg").click()
+    page.get_by_text("reads as 9 s").wait_for()
+    page.mouse.move(0, 0)
+    take(page, "columns")
+    page.get_by_role("button", name="Cancel").click()
+    page.get_by_role("tab", name="Play").click()
+
+
 def walk(page):
     """Look, play, learn, add: a picture of each."""
     page.locator("header").get_by_text("held out").wait_for()
+    with tempfile.TemporaryDirectory() as folder:
+        columns(page, Path(folder))
     curves, tiles = (page.locator(".js-plotly-plot").nth(k).bounding_box() for k in (0, 1))
     page.mouse.click(tiles["x"] + 0.45 * tiles["width"], tiles["y"] + 0.5 * tiles["height"])
     page.mouse.move(curves["x"] + 300, curves["y"] + 120)
