@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from er_model_lab.cli.app import app
-from er_model_lab.fitting.start_model import KINDS
+from er_model_lab.fitting.kinds import KINDS
 from er_models.effect import arguments
 from er_models.files import load_model, save_model
 from er_models.prediction import motion, predict

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from er_models.errors import InputError, UnknownName
@@ -13,27 +13,9 @@ from er_models.scales import Scales, peak
 from er_records.record import Record
 from scipy.optimize import lsq_linear
 
+from er_model_lab.fitting.kinds import KINDS
 from er_model_lab.fitting.rig import rig_of
 
-
-@dataclass(frozen=True)
-class Kind:
-    """A kind of damper: the effects that its start model is made of, and what it is."""
-
-    effects: tuple[str, ...]
-    title: str
-
-
-KINDS: dict[str, Kind] = {
-    "er": Kind(("passive", "guo_yield", "response"), "electrorheological: a yield force that follows the duty"),
-    "mr": Kind(
-        ("passive", "guo_yield", "response", "coulomb_friction"),
-        "magnetorheological: the same beside a friction that remains without a field",
-    ),
-    "passive": Kind(("passive_by_direction",), "no field: damping in rebound and compression"),
-    "friction": Kind(("passive", "coulomb_friction"), "a seal, a guide, a brake, a drive"),
-}  # fmt: skip
-"""What `lab new --kind` offers: the only list."""
 LINEAR = ("N", "N/m", "N s/m", "N/duty")
 """Units of coefficients that the force is linear in."""
 MOST = 40_000

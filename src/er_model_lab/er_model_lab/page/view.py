@@ -71,7 +71,7 @@ STYLE = """
 :focus-visible { outline: 3px solid #1976d2 !important; outline-offset: 1px; }
 .lab .q-tab { padding: 0 9px; }
 .lab :is(.q-btn, .q-item, .q-checkbox__label, .q-toggle__label, .q-tab) { user-select: text; }
-.q-uploader { width: 100%; max-height: 150px; }
+.q-uploader { width: 100%; max-height: 150px; } .q-uploader__file .q-btn { display: none; }
 @media (max-width: 1000px) {
   .lab { grid-template-columns: minmax(0, 1fr); } .lab .views { grid-template-columns: minmax(0, 1fr); }
 }
@@ -98,7 +98,7 @@ class View:
         described()
         ui.colors(primary="#1f5f99", accent="#9c4a7c")
         self._header()
-        with ui.element("main").classes("lab p-2"):
+        with ui.element("div").classes("lab p-2"):
             with ui.card().classes("w-full"):
                 self._panels()
             with ui.element("div").classes("views"):

@@ -10,7 +10,8 @@ from er_models.model import Model
 from er_models.shipped import MODELS, names, shipped
 from er_records.dataset import Dataset
 
-from er_model_lab.fitting.start_model import KINDS, start_model
+from er_model_lab.fitting.kinds import KINDS
+from er_model_lab.fitting.start_model import start_model
 from er_model_lab.preflight.check import admitted
 
 NAMED = {"mr": {"mr"}, "friction": {"friction", "brake", "seal"}, "passive": {"passive"}}

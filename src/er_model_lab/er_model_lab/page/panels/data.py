@@ -13,7 +13,7 @@ from er_models.shipped import MODELS, names
 from nicegui import ui
 from nicegui.events import UploadEventArguments
 
-from er_model_lab.fitting.start_model import KINDS
+from er_model_lab.fitting.kinds import KINDS
 from er_model_lab.output.text.units import percent
 from er_model_lab.page.panels.help import heading
 from er_model_lab.page.panels.mapping import MappingDialog

@@ -37,7 +37,10 @@ class MappingDialog:
 
     async def asked(self) -> dict[str, Any] | None:
         """What the user says, as `load(names=...)` takes it; None where the dialogue was left."""
-        with ui.dialog() as dialog, ui.card().classes("w-full max-w-4xl"):
+        with (
+            ui.dialog().props('aria-label="Columns of a file"') as dialog,
+            ui.card().classes("w-full max-w-4xl"),
+        ):
             ui.label(f"What are the columns of {self.path.name}?").classes("text-lg").props(
                 "role=heading aria-level=2"
             )
@@ -104,7 +107,7 @@ class Choice:
                 "sign": ui.checkbox("flip sign").classes("w-24"),
             }  # fmt: skip
             with ui.element("div").classes("w-32"):
-                self.perhaps = ui.button(on_click=self._take).props("flat dense no-caps size=sm")
+                self.perhaps = ui.button(on_click=self._take).props("flat dense no-caps size=12px")
                 self.said = ui.label().classes("text-xs muted")
                 with self.said:
                     self.why = ui.tooltip("")
