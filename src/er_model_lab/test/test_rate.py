@@ -8,7 +8,7 @@ from er_records.record import Record
 RATE = 1000.0
 
 
-def record(rate=RATE, force=None, noise=0.1):
+def record(rate=RATE, force=None, noise=0.1, duty=None):
     """A slow motion that begins and ends in the middle of it, with an encoder's steps, and a smooth force."""
     n = round(8.0 * rate)
     t, rng = np.arange(n) / rate, np.random.default_rng(2)
@@ -16,7 +16,7 @@ def record(rate=RATE, force=None, noise=0.1):
     y = 40.0 * np.cos(2 * np.pi * 3.0 * t + 0.7) if force is None else force
     channels = {
         "deflection": np.round(x / 5e-6) * 5e-6,
-        "duty": (t % 0.8 < 0.402) * 0.3,
+        "duty": (t % 0.8 < 0.402) * 0.3 if duty is None else duty,
         "damper_force": y + noise * rng.standard_normal(n),
     }
     return Record("run", t, channels), x, y
@@ -51,7 +51,18 @@ def test_a_force_that_jumps_keeps_a_rate_that_shows_it(noise, kept):
     """Of jumps of 80 N a filter to 500 Hz loses 2 N: less than the one noise, far more than the other."""
     t = np.arange(40_000) / 5000.0
     jumps = 40.0 * np.sign(np.sin(2 * np.pi * 1.7 * t))
-    given, _, _ = record(5000.0, force=jumps, noise=np.sqrt(10.0) * noise)
+    given, _, _ = record(5000.0, force=jumps, noise=np.sqrt(10.0) * noise, duty=0.0 * t)
+    assert 1.0 / at_needed_rate(given).dt == pytest.approx(kept)
+
+
+@pytest.mark.parametrize(("at", "rate", "kept"), [
+    (2003, 5000.0, SHARP), (2010, 5000.0, MOST), (2003, 1000.0, MOST)
+])  # fmt: skip
+def test_a_duty_that_jumps_between_samples_of_a_fast_force_keeps_more_of_its_time(at, rate, kept):
+    """Its mean over 2 ms acts later than the jump did; at 1 kHz nothing is left to be gained."""
+    n = round(8.0 * rate)
+    jumps = 4.0 * np.sign(np.sin(2 * np.pi * 1.7 * np.arange(n) / rate))
+    given, _, _ = record(rate, force=jumps, noise=1.2, duty=0.3 * (np.arange(n) >= at))
     assert 1.0 / at_needed_rate(given).dt == pytest.approx(kept)
 
 

@@ -21,7 +21,10 @@ TIMES = 5.0
 """Samples for each period of that frequency."""
 LEAST, MOST, SHARP = 200.0, 500.0, 1000.0
 """A rate [Hz] that is always kept; one that is enough, for a jump of the force has no highest frequency; and one for
-jumps that stand so far above the noise that the filter would lose more of them than there is noise."""
+jumps that stand so far above the noise that the filter would lose more of them than there is noise, and for a fast
+force whose duty jumps between the samples of the slower rate: held at its mean there, it acts later than it did."""
+JUMP = 0.01
+"""Change of the duty from one sample to the next that is a jump."""
 PASS, STOP, DOWN = 0.25, 0.75, 45.0
 """Ends of what the filter lets pass and of what it stops, as shares of the new rate; how far it stops that [dB]."""
 WINDOW = 2.0
@@ -58,6 +61,14 @@ def loses(of: Spectrum, slower: float) -> bool:
     return bool(of.signal[gone].sum() > of.noise * np.count_nonzero(~gone))
 
 
+def _between(record: Record, slower: float) -> bool:
+    """Whether the duty jumps between two samples of a slower rate [Hz]."""
+    if not record.has("duty"):
+        return False
+    jumps = np.flatnonzero(np.abs(np.diff(record.bridged("duty"))) > JUMP) + 1
+    return bool(np.any(jumps % int(1.0 / record.dt / slower + 1e-6)))
+
+
 @lru_cache(maxsize=4)
 def at_needed_rate(record: Record) -> Record:
     """The record at the fraction of its rate that its content needs, with a note; as it is where it needs all."""
@@ -67,7 +78,11 @@ def at_needed_rate(record: Record) -> Record:
         return record
     seen = [spectrum(y, rate) for y in spoken]
     top = max(map(highest, seen))
-    most = SHARP if TIMES * top > MOST and any(loses(of, MOST) for of in seen) else MOST
+    fast = TIMES * top > MOST
+    sharp = fast and (
+        any(loses(of, MOST) for of in seen) or (rate >= 2.0 * SHARP and _between(record, MOST))
+    )
+    most = SHARP if sharp else MOST
     every = int(rate / min(max(TIMES * top, LEAST), most) + 1e-6)
     if every < 2:
         return record
