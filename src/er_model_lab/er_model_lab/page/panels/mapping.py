@@ -34,6 +34,7 @@ class MappingDialog:
     def __init__(self, path: Path, found: Mapped) -> None:
         self.path, self.found = path, found
         self.choices: list[Choice] = []
+        self.asks = 0
 
     async def asked(self) -> dict[str, Any] | None:
         """What the user says, as `load(names=...)` takes it; None where the dialogue was left."""
@@ -45,13 +46,18 @@ class MappingDialog:
                 "role=heading aria-level=2"
             )
             self._columns()
-            more = [c for c in CHANNELS if c in self.found.guesses and c not in ASKED]
-            self.choices = [Choice(self, channel) for channel in (*ASKED, *more)]
+            with ui.column().classes("w-full gap-1") as self.rows:
+                guessed = [c for c in CHANNELS if c in self.found.guesses and c not in ASKED]
+                self.choices = [Choice(self, channel) for channel in (*ASKED, *guessed)]
+            self.more = ui.select([], label="One more channel", on_change=self._one_more).classes(
+                "w-64"
+            )
+            self.more.props("dense options-dense")
             self.says = ui.label().props("role=status")
             with ui.row():
                 self.use = ui.button("Use", on_click=lambda: dialog.submit(self.found.names))
                 ui.button("Cancel", on_click=lambda: dialog.submit(None)).props("flat")
-        self._judge()
+        self.judge()
         said: dict[str, Any] | None = await dialog
         dialog.delete()
         return said
@@ -70,13 +76,27 @@ class MappingDialog:
         """Guess anew beside what the user says by now."""
         from er_model_lab.verbs.map import map as mapped
 
-        given = {c.channel: c.given for c in self.choices if c.touched}
-        self.found = await asyncio.to_thread(mapped, self.path, given)
-        self._judge()
+        self.asks += 1
+        mine, given = self.asks, {c.channel: c.given for c in self.choices if c.touched}
+        found = await asyncio.to_thread(mapped, self.path, given)
+        if mine == self.asks:  # nothing was said since
+            self.found = found
+            self.judge()
 
-    def _judge(self) -> None:
+    def _one_more(self, event: Any) -> None:
+        """A row for a channel that is not asked for as a rule."""
+        if event.value:
+            with self.rows:
+                self.choices.append(Choice(self, event.value))
+            self.judge()
+
+    def judge(self) -> None:
+        """Show what counts now, and what comes of it."""
         for choice in self.choices:
             choice.show()
+        self.more.set_options(
+            [c for c in CHANNELS if c not in {x.channel for x in self.choices}], value=None
+        )
         missing = [f"{c.channel}: {c.open}" for c in self.choices if c.open]
         good = bool(self.found.records) and not self.found.trouble and not missing
         seconds = sum(len(r) * r.dt for r in self.found.records)
@@ -111,7 +131,7 @@ class Choice:
                 self.said = ui.label().classes("text-xs muted")
                 with self.said:
                     self.why = ui.tooltip("")
-        self.parts["number"].props("hide-bottom-space")
+        self.parts["number"].props("hide-bottom-space debounce=500")
         if channel == TIME:
             self.parts["sign"].style("visibility: hidden")
         for part, widget in self.parts.items():
@@ -143,7 +163,12 @@ class Choice:
 
     @property
     def open(self) -> str:
-        """What is still to be said of a column that the user gave; '' where nothing is."""
+        """What is still to be said of what the user gave; '' where nothing is."""
+        number = self.parts["number"].value
+        if wrong := self._wrong(number):
+            return wrong
+        if self._makes(self.parts["from"].value) and not number:
+            return "a number"
         guess = self.dialog.found.guesses.get(self.channel)
         return guess.why[-1] if self.touched and guess is not None and guess.sure < LIKELY else ""
 
@@ -161,9 +186,11 @@ class Choice:
         source = Source() if guess is None or weak else guess.source
         if not self._makes(self.parts["from"].value):
             self._set("from", guess.seen.header if guess is not None and not weak else NONE)
-            self._set("unit", source.unit)
+            self._set("unit", source.unit if source.unit in self.parts["unit"].options else "")
             factor = source.full_scale if self.channel == "duty" else source.scale
-            self._set("number", "" if factor is None else f"{factor:.9g}")
+            typed = self.parts["number"].value
+            if not self._wrong(typed) and (numbers_in(typed) if typed else None) != factor:
+                self._set("number", "" if factor is None else f"{factor:.9g}")
             self._set("sign", source.sign < 0.0)
         column = self.parts["from"].value
         for part in ("unit", "sign"):
@@ -181,10 +208,11 @@ class Choice:
             found = numbers_in(number) if number else 1.0
         except ValueError:
             return "no number"
-        several = isinstance(found, list) and not (
-            self._makes(self.parts["from"].value) and self.channel != TIME
-        )
-        return "one number" if several else None
+        if self._makes(self.parts["from"].value) and self.channel != TIME:
+            return None
+        if isinstance(found, list):
+            return "one number"
+        return None if found > 0.0 else "above 0"
 
     def _set(self, part: str, value: Any) -> None:
         """Show a value that the user did not give."""
@@ -197,8 +225,10 @@ class Choice:
             return None
         self.shown[part] = value
         self.touched = {"from"} if part == "from" else {*self.touched, "from", part}
-        if self._makes(self.parts["from"].value) and not self.parts["number"].value:
-            self.show()  # its number is still to be given
+        if self._wrong(self.parts["number"].value) or (
+            self._makes(self.parts["from"].value) and not self.parts["number"].value
+        ):
+            self.dialog.judge()  # its number is still to be given
             return None
         return self.dialog.again()
 
