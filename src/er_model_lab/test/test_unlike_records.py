@@ -1,5 +1,7 @@
 """Records whose force differs at the same motion by what no channel tells: said, and nothing is named for it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from er_model_lab.motion.unlike_records import Course, unlike
@@ -62,6 +64,15 @@ def test_another_level_is_said_with_its_size(shift):
     assert (found.name if shift > 0.0 else found.other) == "run1"
     (finding,) = between_findings(made)
     assert (finding.check, finding.level, finding.found) == ("records", "warning", str(found))
+
+
+def test_missing_samples_and_records_that_lack_all_do_not_count():
+    made = courses(records(lambda k, _, force: force + 100.0 * (k == 1)))
+    missing = np.where(np.arange(N) // 40 == 2, np.nan, 0.0)
+    made[0] = replace(made[0], v=made[0].v + missing, force=made[0].force + np.roll(missing, 200))
+    empty = Course("empty", *(np.full(50, np.nan) for _ in range(4)))
+    assert unlike([*made, empty]).level == pytest.approx(100.0, rel=0.15)
+    assert unlike([made[0], empty]) is None
 
 
 def test_a_duty_that_nobody_recorded_is_another_width():

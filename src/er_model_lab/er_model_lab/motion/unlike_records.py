@@ -69,6 +69,7 @@ class Unlike:
 
 def unlike(courses: Sequence[Course]) -> Unlike | None:
     """The two records that differ most at the same motion; None where all agree, or share too little of it."""
+    courses = [whole for c in courses if (whole := _whole(c)).x.size]
     if len(courses) < 2:
         return None
     places = [np.column_stack([c.x, np.abs(c.v), c.u]) for c in courses]
@@ -81,6 +82,12 @@ def unlike(courses: Sequence[Course]) -> Unlike | None:
     for k in np.argsort(known, kind="stable")[::-1][:REFERENCES]:
         found += [u for j, other in enumerate(seen) if j != k and (u := _compared(seen[k], other))]
     return max(found, key=lambda each: each.size, default=None)
+
+
+def _whole(course: Course) -> Course:
+    """The samples of which nothing is missing."""
+    signals = np.stack([course.x, course.v, course.u, course.force])
+    return Course(course.name, *signals[:, np.isfinite(signals).all(axis=0)])
 
 
 @dataclass(frozen=True)
@@ -101,7 +108,7 @@ def _seen(course: Course, place: Array) -> _Seen:
     """A record by cells; place: of each sample (n, 3), in cells."""
     index = np.minimum(place.astype(np.int64), CELLS - 1)
     row = 2 * np.ravel_multi_index(tuple(index.T), tuple(CELLS)) + (course.v > 0.0)
-    good = np.isfinite(course.force) & (index[:, 1] > 0)
+    good = index[:, 1] > 0
     n = 2 * int(CELLS.prod())
     count = np.bincount(row[good], minlength=n)
     sums = [np.bincount(row[good], y, minlength=n) for y in (course.force[good], *place[good].T)]
