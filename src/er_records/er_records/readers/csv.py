@@ -30,7 +30,7 @@ DELIMITERS = (",", ";", "\t")
 MISSING = ("", "nan", "NaN", "NAN", "NA", "null")
 OLD_WINDOWS = "äöüÄÖÜß°µ²³±·éèàç–"
 """What text of measuring programs that is not UTF-8 holds beside ASCII, in Windows-1252."""
-MOST_ABOVE, SURELY = 60, 10
+MOST_ABOVE, SURELY = 60, 4
 """Lines among which the first numbers are looked for, and how many of them on end are samples, no more of a head."""
 
 HALF_DAY = 43_200.0
