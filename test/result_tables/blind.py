@@ -25,9 +25,16 @@ TABLES: Tables = {
     ),
     **_score(
         "rough_score",
-        "rough_score --seeds 211 --cases 100 --workers 2 --limit 300",
+        "rough_score --seeds 223 --cases 100 --workers 2 --limit 300",
         "rough score",
         "rough groups",
+        truth="test/rough",
+    ),
+    **_score(
+        "rough_stability",
+        "rough_stability --seeds 71 --cases 30",
+        "rough stability",
+        "rough stability missed",
         truth="test/rough",
     ),
     **given(
