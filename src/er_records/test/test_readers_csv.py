@@ -175,6 +175,20 @@ def test_names_may_be_more_or_fewer_than_the_usual_row_has_cells(tmp_path: Path)
             np.testing.assert_array_equal(record.channels[channel], data[channel], err_msg=name)
 
 
+def test_a_short_row_of_a_table_with_events_is_dropped_at_the_end_and_named_elsewhere(
+    tmp_path: Path,
+) -> None:
+    data = columns()
+    rows = [",".join(map(repr, row)) for row in np.column_stack(list(data.values())).tolist()]
+    lines = [",".join([*data, "Events"]), rows[0] + ",start", *rows[1:]]
+    path = tmp_path / "run.csv"
+    path.write_text("\n".join(lines)[: -len(rows[-1]) + 8])
+    (record,) = load([path])
+    assert (len(record), record.complete) == (N - 1, False)
+    lines[300] = rows[299].rpartition(",")[0]
+    message(path, "\n".join(lines) + "\n", "data row 300", "cells")
+
+
 def test_a_recorder_with_pauses_is_read_by_its_times_of_day(tmp_path: Path) -> None:
     """Rows `number, date and time, channels, event` below lines that tell of the recorder."""
     path = tmp_path / "raw.txt"

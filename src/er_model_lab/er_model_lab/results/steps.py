@@ -26,17 +26,20 @@ def left_of(study: Study, fitted: Fit, on: Problem | None) -> Array:
     return np.asarray(on.force - on.predict(as_searched(fitted)))
 
 
+def given_left(study: Study, on: Problem | None) -> Array:
+    """What the model as it was given leaves (n,) [N]: of the study's own data, or of those of another problem."""
+    if on is None or on is study.problem:
+        return study.opened.given
+    return np.asarray(on.force - on.predict(study.opened.searched))
+
+
 def errors_of(study: Study, on: Problem | None = None) -> dict[str, Any]:
     """Errors of the model as given, refitted and after, on both kinds of data, and the floors under them [N].
 
     on: the problem of a later pass with other data, where the errors are to be those of its data.
     """
     found, problem = study.diagnosis, on or study.problem
-    given = (
-        study.opened.given
-        if on is None
-        else problem.force - problem.predict(study.opened.searched)
-    )
+    given = given_left(study, on)
     left = [left_of(study, fitted.fit, on) for fitted in (found.base, found.best)]
     rows = {"train": problem.train, "held_out": problem.held_out}
     base, after = ({name: errors(problem, r, mask) for name, mask in rows.items()} for r in left)

@@ -12,6 +12,7 @@ from er_model_lab.level.study import Study
 from er_model_lab.residual.errors import errors
 from er_model_lab.results.by_record import BAND, with_flags
 from er_model_lab.results.result import DiagnosisResult, with_notes
+from er_model_lab.results.steps import given_left
 from er_model_lab.verbs.diagnose import result_of
 
 
@@ -24,11 +25,8 @@ def ends_worse(first: Study, last: Study) -> str:
     if first.opened.lag or last.opened.lag:
         return ""
     problem = last.problem
-    given = problem.force - problem.predict(first.opened.searched)
-    before, after = (
-        errors(problem, left, problem.held_out).rmse
-        for left in (given, last.diagnosis.best.fit.residual)
-    )
+    both = given_left(first, problem), last.diagnosis.best.fit.residual
+    before, after = (errors(problem, left, problem.held_out).rmse for left in both)
     if not after > (1.0 + BAND) * before:
         return ""
     return (

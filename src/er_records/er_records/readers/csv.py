@@ -172,7 +172,7 @@ def _uneven(lines: list[str], split: list[list[str]], delimiter: str, width: int
     """A table whose names are more or fewer than the usual row has cells.
 
     Beyond a row's cells stand events, which few rows have; a name is missing of row numbers, or where each row ends
-    with a delimiter.
+    with a delimiter. A row that is shorter than the usual one stays so, and is told or dropped as any other.
     """
     first = next((i for i, c in enumerate(split) if len(c) >= width and _numeric(c)), 0)
     above = first - 1
@@ -183,7 +183,9 @@ def _uneven(lines: list[str], split: list[list[str]], delimiter: str, width: int
         names = ["", *names]
     whole = max(len(names), width)
     cells = (row.split(delimiter)[:whole] for row in rows)
-    even = [delimiter.join([*c, *[""] * (whole - len(c))]) for c in cells]
+    even = [
+        delimiter.join([*c, *[""] * (whole - len(c))] if len(c) >= width else c) for c in cells
+    ]
     return _Text(tuple(names), even, delimiter)
 
 

@@ -41,12 +41,12 @@ class DataPanel:
 
     def __init__(self, host: Host) -> None:
         self.host, desk = host, host.desk
-        upload = ui.upload(
+        self.upload = ui.upload(
             multiple=True, auto_upload=True, max_file_size=dropped.LARGEST, label=DROP,
             on_upload=host.safely(self._dropped),
             on_rejected=lambda: ui.notify(f"more than {dropped.LARGEST >> 30} GB"),
         )  # fmt: skip
-        upload.props("flat bordered no-thumbnails").add_slot("header", HEADER)
+        self.upload.props("flat bordered no-thumbnails").add_slot("header", HEADER)
         shipped = [n for n in names(*MODELS) if n in names("dampers")]
         self.model = ui.select(
             shipped, label="Begin with a shipped model", on_change=host.safely(lambda e: self._start(e.value))
@@ -68,7 +68,7 @@ class DataPanel:
         self.findings = ui.column().classes("w-full gap-1")
         self.shown: object = None
         self.desk = desk
-        self.asking = asyncio.Lock()
+        self.asking, self.waiting = asyncio.Lock(), 0
         self.said: dict[tuple[str, ...], dict[str, Any]] = {}
 
     def refresh(self) -> None:
@@ -191,11 +191,17 @@ class DataPanel:
         kind = desk.admitted(name, event.file.size())
         path = dropped.place_for(desk.folder, name)
         await event.file.save(path)
+        self.waiting += 1
         try:
             await self._take(kind, path)
         except ErError:
             path.unlink(missing_ok=True)
             raise
+        finally:
+            self.waiting -= 1
+            if not self.waiting:  # what comes later is asked for anew: an answer may be mended
+                self.said.clear()
+                self.upload.reset()  # it refuses a file that stands in its list
 
     async def _take(self, kind: str, path: Path) -> None:
         desk = self.desk
@@ -221,7 +227,7 @@ class DataPanel:
             await self._measured(path)
 
     async def _measured(self, path: Path) -> None:
-        """Ask what the columns are where they do not say so themselves; once for files with the same columns."""
+        """Ask what the columns are where they do not say so themselves; once for files that come together."""
         from er_model_lab.verbs.map import map as mapped
 
         async with self.asking:
