@@ -289,7 +289,7 @@ def finished(candidate: Candidate, problem: Problem, max_iter: int = 30) -> Cand
     """
     fitted = candidate.fit
     if candidate.ranked or fitted.iterations >= FIRST_ITERATIONS:
-        fitted = fit(fitted.model, problem, max_iter=max_iter)
+        fitted = fit(fitted.model, problem, max_iter=max_iter, looks=LOOKS)
     fitted = _looked_closer(fitted, candidate, problem, max_iter)
     better = fitted.mse(problem.train) < candidate.fit.mse(problem.train)
     if not (better or candidate.ranked):

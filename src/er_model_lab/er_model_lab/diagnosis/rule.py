@@ -8,6 +8,9 @@ from er_models.errors import InputError
 
 from er_model_lab.smallest import SMALLEST
 
+BAND = 0.05
+"""Share [1] by which an error of what was not learnt from may grow and still counts as the same."""
+
 
 @dataclass(frozen=True)
 class Rule:

@@ -23,8 +23,8 @@ from er_model_lab.diagnosis.candidates import (
 )
 from er_model_lab.diagnosis.determined import far, loose, strange, unseen
 from er_model_lab.diagnosis.null import Null, simulate_null
-from er_model_lab.diagnosis.rule import RULE, Rule
-from er_model_lab.fitting.fit import standard_deviations
+from er_model_lab.diagnosis.rule import BAND, RULE, Rule
+from er_model_lab.fitting.fit import mean_square, standard_deviations
 from er_model_lab.problem.problem import Problem
 
 PAIRS_OF = 6
@@ -196,9 +196,9 @@ def tied(
 ) -> list[Candidate]:
     """Candidates the data cannot tell from the best one, in the order in which they are told.
 
-    A law of the duty comes last where the duty never changes. Those whose values the data determine come first, then
-    those that are not plainly worse, those that are not far from doing nothing, those that leave little more than the
-    best, and the simplest.
+    A law of the duty comes last where the duty never changes, before it what held-out data refuse. Those whose values
+    the data determine come first, then those that are not plainly worse, those that are not far from doing nothing,
+    those that leave little more than the best, and the simplest.
 
     A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within `SURE`
     and too small to count as an effect of its own. A difference that would count, in several blocks and nowhere the
@@ -233,6 +233,7 @@ def tied(
         near,
         key=lambda c: (
             unseen(c, problem),
+            rises(base, c, problem),
             c.name in unsure,
             plainly_worse(c, best, problem),
             far(c),
@@ -241,6 +242,14 @@ def tied(
             disguised(c, near, problem),
         ),
     )
+
+
+def rises(before: Candidate, after: Candidate, problem: Problem) -> bool:
+    """Whether the error on held-out data rises from one model to another by more than a share: they refuse it."""
+    if not problem.held_out.any():
+        return False
+    old, new = (mean_square(c.fit.residual[problem.held_out]) for c in (before, after))
+    return new > (1.0 + BAND) ** 2 * old
 
 
 def plainly_worse(other: Candidate, best: Candidate, problem: Problem) -> bool:
@@ -420,6 +429,7 @@ def swapped(
         place, rest = best.effects.index(name), roughly_without(name, problem, best)
         target = best.left + (FAR_BEYOND * step.threshold) ** 2
         trials = problem.each(exchanged, others, rest, place, target, stage="exchanging effects")
+        trials = [c for c in trials if not rises(best, c, problem)]
         alike = tied(rest, sorted([best, *trials], key=lambda c: c.left), problem, step.threshold)
         best = finished(alike[0], problem) if alike[0].ranked else alike[0]
         alike[0] = best

@@ -12,7 +12,7 @@ from er_models.model import Model
 
 from er_model_lab.diagnosis.candidates import Candidate, cross_judged, effect_size, finished
 from er_model_lab.diagnosis.rule import Rule
-from er_model_lab.diagnosis.search import FAR_BEYOND, SAME, Round
+from er_model_lab.diagnosis.search import FAR_BEYOND, SAME, Round, rises
 from er_model_lab.fitting.fit import fit, mean_square, practised
 from er_model_lab.problem.problem import Problem
 
@@ -52,7 +52,7 @@ def plain(
 ) -> tuple[Candidate, tuple[tuple[str, ...], ...]]:
     """A fitted model with special cases in place of generalised forms that do not gain far more, and ties with them.
 
-    earned: forms that stand for more than their special case.
+    earned: forms that stand for more than their special case; so does one beside which held-out data refuse that.
 
     A form that needs next to nothing beyond what its special case has, though that by itself fits worse, is tied with
     it: a joint that gives way and whose gap is a thousandth of the stroke is a mount that friction stretches. A simple
@@ -72,7 +72,8 @@ def plain(
             if special in model.effects or name not in model.effects:
                 continue
             trial = specialised(best, name, special, problem)
-            if name not in earned and effect_size(trial, best) <= FAR_BEYOND * limit:
+            more = name in earned or effect_size(trial, best) > FAR_BEYOND * limit
+            if not more and not rises(best, trial, problem):
                 best = trial
                 continue
             own = left_as(best, name, special, problem) - best.seen

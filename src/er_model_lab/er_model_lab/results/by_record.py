@@ -11,14 +11,13 @@ from er_records.dataset import Dataset
 from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.found import Diagnosis
+from er_model_lab.diagnosis.rule import BAND
 from er_model_lab.fitting.fit import cross_validated
 from er_model_lab.problem.problem import Problem
 from er_model_lab.results.result import DiagnosisResult, with_notes
 
 FEWEST = 3
 """Records from which on one of them can be left out."""
-BAND = 0.05
-"""Share [1] by which the error of a record may grow and still counts as the same."""
 
 
 def by_record(

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from er_model_lab.diagnosis.rule import BAND
 from er_model_lab.diagnosis.verdict import Verdict
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study
 from er_model_lab.residual.errors import errors
-from er_model_lab.results.by_record import BAND, with_flags
+from er_model_lab.results.by_record import with_flags
 from er_model_lab.results.result import DiagnosisResult, with_notes
 from er_model_lab.results.steps import given_left
 from er_model_lab.verbs.diagnose import result_of

@@ -18,14 +18,14 @@ from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.floor_estimates import AGREE
 from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.diagnosis.investigation import BEYOND_DOUBT
-from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.diagnosis.rule import BAND, RULE, Rule
 from er_model_lab.diagnosis.search import prune
 from er_model_lab.fitting.velocity_channel import as_searched, restored
 from er_model_lab.level.investigate import investigate
 from er_model_lab.level.level import Question
 from er_model_lab.level.study import Study, checked, summary
 from er_model_lab.residual.errors import regions_json, worst
-from er_model_lab.results.by_record import BAND, by_record, with_flags
+from er_model_lab.results.by_record import by_record, with_flags
 from er_model_lab.results.diagnosis import diagnosis_json
 from er_model_lab.results.draw import candidate_views, study_regions, views
 from er_model_lab.results.passes import explained_by, of_the_last, taken_last, told_together

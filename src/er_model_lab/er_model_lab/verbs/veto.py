@@ -9,14 +9,13 @@ import numpy as np
 from er_model_lab.diagnosis.candidates import Candidate, effect_size, finished
 from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.investigation import judge
-from er_model_lab.diagnosis.rule import Rule
+from er_model_lab.diagnosis.rule import BAND, Rule
 from er_model_lab.diagnosis.search import afresh, decided
 from er_model_lab.fitting.fit import mean_square
 from er_model_lab.fitting.velocity_channel import restored
 from er_model_lab.level.study import Study
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
-from er_model_lab.results.by_record import BAND
 
 SEVERAL = 4
 """Effects that held-out data refuse, one after the other, after which no other is tried."""
