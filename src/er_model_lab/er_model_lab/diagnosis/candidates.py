@@ -115,7 +115,7 @@ def baseline(model: Model, problem: Problem) -> Candidate:
     if np.sqrt(fitted.mse(where.train)) > FOREIGN * size:
         others = where.each(fit, restarts(model, problem, terms(model)), stage="other starts")
         fitted = min([fitted, *others], key=lambda f: f.mse(where.train))
-    return cross_judged((), fit(fitted.model, problem) if few else fitted, problem)
+    return cross_judged((), fit(fitted.model, problem, looks=LOOKS) if few else fitted, problem)
 
 
 def missing(model: Model, problem: Problem) -> tuple[Effect, ...]:
@@ -336,13 +336,12 @@ def cross_judged(
 
 
 def refit_all(
-    base: Candidate, problem: Problem, effects: Iterable[Effect] | None = None, before: Iterable[Candidate] = (),
-    lost: frozenset[str] = frozenset(),
+    base: Candidate, problem: Problem, effects: Iterable[Effect] | None = None, before: Iterable[Candidate] = ()
 ) -> list[Candidate]:  # fmt: skip
     """Every missing effect refitted, best held-out error first; the best few are fitted to the end.
 
-    before: what was tried beside the model before it grew; of many runs, effects are begun from these values, too, and
-    those that were lost there, which gained nothing, from one start more only.
+    before: what was tried beside the model before it grew; of many runs effects are begun from these values, and from
+    one start more.
     """
     able = missing(base.fit.model, problem) if effects is None else effects
     tried = [e.name for e in sorted(able, key=_quick)]
@@ -350,7 +349,7 @@ def refit_all(
     if few:
         known = {c.name: [c.fit.model.effects[c.name]] for c in before}
         looks: list[Look] = [
-            (name, known.get(name, []), 1 if name in lost else STARTS) for name in tried
+            (name, known.get(name, []), 1 if name in known else STARTS) for name in tried
         ]
         return _refit_many(base, problem, few, looks)
     found = predicted(

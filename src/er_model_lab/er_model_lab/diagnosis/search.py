@@ -302,9 +302,7 @@ def one_round(
     base: Candidate, problem: Problem, seed: int, rule: Rule = RULE, last: Round | None = None
 ) -> Round:
     """Refit every missing effect, calibrate, and choose the best or nothing; last: the round before."""
-    before = last.candidates if last else []
-    lost = frozenset(c.name for c in before if last and effect_size(last.base, c) <= 0.0)
-    candidates = refit_all(base, problem, before=before, lost=lost)
+    candidates = refit_all(base, problem, before=last.candidates if last else ())
     null = simulate_null(base, candidates, problem, seed)
     return decided(base, candidates, null, problem, rule)
 
