@@ -57,6 +57,7 @@ def prepared():
 @pytest.fixture
 def many(prepared, monkeypatch):
     """A minute counts as many runs, and a quarter of it is practised on; two effects are fitted to all."""
+    assert prepared.practice is None, "which it keeps, whatever counts as many from here on"
     monkeypatch.setattr(subset, "MANY", 60.0)
     monkeypatch.setattr(subset, "PRACTISED", 18.0)
     monkeypatch.setattr(subset, "STRETCH", (3.0, 3.0))

@@ -243,7 +243,8 @@ def _leg(
     """The way from scaled values theta (p,), where the prediction is f (n,), to the least mean square.
 
     Where known derivatives make no step, or one that is worth little, it ends. Of long data, or where the way is but
-    sketched, derivatives are turned after a step that did what they promised, and taken anew at the end.
+    sketched, derivatives are turned after a step that did what they promised, and taken anew at the end. Beside those
+    that were known a sketch takes only the others anew, until a step fails.
     """
     train, y = problem.train, problem.force
     cost = _cost(f, problem)
@@ -279,6 +280,9 @@ def _leg(
             break
         if near and gain > rules.tol and rests < RESTS and turns:
             jacobian, rests = turned(jacobian, step, moved, np.diag(h)), rests + 1
+        elif rules.sketch and known is not None:
+            old = turned(jacobian, step, moved, np.diag(h))[:, : known.shape[1]]
+            jacobian, exact, rests = _jacobian(box, theta, f, there, old), False, 0
         else:
             jacobian, exact, at, rests = _jacobian(box, theta, f, there, None), True, theta, 0
     if rests and not rules.sketch:
