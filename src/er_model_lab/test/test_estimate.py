@@ -1,9 +1,12 @@
 """Estimates: the bias of noisy motion is taken off, and deviations hold where forces jump."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from er_model_lab.fitting.estimate import (
     MOST_BIAS,
+    _unless_astray,
     as_far_as_straight,
     estimated,
     settled,
@@ -42,6 +45,22 @@ def test_noise_of_the_motion_no_longer_widens_the_friction():
         after.append(errors(better, better)[1])
     assert np.mean(before) > 1.5
     assert abs(np.mean(after)) < 0.6 * np.mean(before)
+
+
+def test_where_longer_steps_lead_astray_the_fit_stays():
+    """Contacts switch elsewhere in them: what is found there counts as the usual steps see it."""
+    model, problem = problem_of("coulomb_friction", TRUE, seconds=12.0)
+    fitted = fit(model.with_effect("coulomb_friction"), problem, max_iter=30)
+    told = 0.5 * fitted.residual
+    for share, stays in ((1.0, False), (1.5, True)):
+        values = {q: share * v for q, v in TRUE.items()}
+        other = fitted.model.with_effect("coulomb_friction", values)
+        rough = replace(fitted, residual=1.2 * fitted.residual)
+        seen = _unless_astray(replace(fitted, model=other, residual=told), rough, problem)
+        assert (seen is rough) is stays
+        if not stays:
+            left = problem.force - problem.predict(other)
+            np.testing.assert_allclose(seen.residual, left)
 
 
 def test_of_a_bias_beyond_trust_values_that_make_up_for_each_other_are_taken_together():

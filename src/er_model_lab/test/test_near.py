@@ -9,6 +9,7 @@ from er_model_lab.diagnosis import candidates, investigation
 from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.investigation import search_effects
 from er_model_lab.diagnosis.search import afresh, one_round
+from er_model_lab.fitting import fit as fitting
 from er_model_lab.fitting.fit import AWAY, Box, _jacobian, fit, part_of
 from er_model_lab.level import damper
 from er_model_lab.level.damper import DamperLevel
@@ -50,6 +51,28 @@ def test_a_fit_leaves_a_damper_behind_a_gap_some_damping(sought, effect):
     assert (box.low[k], box.start()[k]) == (least, least)
     force = problem.predict(box.model_at(box.start()))
     assert np.std(force) < 2.0 * np.std(problem.force)
+
+
+def test_a_sketch_takes_the_derivatives_of_what_it_adds_anew_and_no_others(sought, monkeypatch):
+    """Those of a whole model, at each step of each start of each effect, were most of the work of a late round."""
+    model, problem = sought
+    base = fit(model, problem)
+    grown = base.model.with_effect("coulomb_friction", {"F_c": 3.0, "v_0": 0.03})
+    asked = list[int]()
+    through = fitting._jacobian
+
+    def counted(box, theta, f, where, known):
+        asked.append(theta.size - (0 if known is None else known.shape[1]))
+        return through(box, theta, f, where, known)
+
+    monkeypatch.setattr(fitting, "_jacobian", counted)
+    whole = fit(grown, problem, known=base.jacobian, max_iter=8)
+    usual, asked = sum(asked), []
+    drawn = fit(grown, problem, known=base.jacobian, max_iter=8, sketch=True)
+    assert sum(asked) < 0.2 * usual
+    assert asked == [3] * len(asked), "the numbers of the friction"
+    assert len(asked) > 1
+    assert drawn.mse(problem.train) < 1.02 * whole.mse(problem.train)
 
 
 def test_a_row_that_jumps_tells_no_derivative(sought, monkeypatch):
