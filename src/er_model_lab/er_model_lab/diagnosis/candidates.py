@@ -45,8 +45,8 @@ from er_model_lab.work import Leader
 
 Values = Mapping[str, float]
 """Values of an effect by name [SI]."""
-Look = tuple[str, Sequence[Values], int]
-"""An effect to be looked at, values that it had beside a smaller model, and how many starts it gets besides."""
+Look = tuple[str, Sequence[Values]]
+"""An effect to be looked at, and values that it had beside a smaller model."""
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""
 A_LOOK = 4
@@ -245,13 +245,13 @@ def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit
 
 def _fitted_with(
     base: Candidate, effect: Effect, problem: Problem, max_iter: int, *, sketch: bool = False,
-    also: Iterable[Values] = (), many: int = STARTS,
+    also: Sequence[Values] = (),
 ) -> tuple[Fit, Screen]:  # fmt: skip
     """A fitted model with one effect more, everything refitted, and what a straight line said of it.
 
     Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried. What
     changes nothing (a law of the duty where there is none) is not fitted. also: starts beside those that the line says,
-    of which a sketch gets so `many`.
+    of which a sketch then gets one more only.
     """
     seen = screen(base, effect, problem)
     left = base.fit.mse(problem.train)
@@ -267,8 +267,8 @@ def _fitted_with(
     def grown(values: Values) -> Model:
         return base.fit.model.with_effect(effect.name, values)
 
-    many = many if sketch else 1 if amplitudes(effect) else 2
-    first = seen.points[:many]
+    usual = STARTS if sketch else 1 if amplitudes(effect) else 2
+    first = seen.points[: 1 if also else usual]
     others = [p for p in of_each_form(effect, seen.points) if p not in first]
     fits = [begun(grown(values)) for values in (*also, *first, *others)]
     models = handed_over(base.fit.model, effect, problem)
@@ -348,9 +348,7 @@ def refit_all(
     few = problem.practice
     if few:
         known = {c.name: [c.fit.model.effects[c.name]] for c in before}
-        looks: list[Look] = [
-            (name, known.get(name, []), 1 if name in known else STARTS) for name in tried
-        ]
+        looks: list[Look] = [(name, known.get(name, ())) for name in tried]
         return _refit_many(base, problem, few, looks)
     found = predicted(
         problem.each(_refitted, tried, base, stage=TRYING, best=partial(leaders, base))
@@ -420,9 +418,9 @@ def _ended(base: Candidate, found: list[Candidate], problem: Problem) -> list[Ca
 
 def _begun(job: Look, problem: Problem, base: Candidate) -> Begun:
     """An effect, with values that it had before, fitted to stretches, for a look; problem and base: of them."""
-    name, also, many = job
+    name, also = job
     effect = base.fit.model.catalogue[name]
-    seen = _fitted_with(base, effect, problem, A_LOOK, sketch=True, also=also, many=many)
+    seen = _fitted_with(base, effect, problem, A_LOOK, sketch=True, also=also)
     return Begun(name, *seen)
 
 
