@@ -12,7 +12,17 @@ import pytest
 
 pytest.importorskip("rclpy")
 
-from er_studies.bench.ros_beside import LIVE, NOTHING, PAGE, PHASES, Phase, family, ratio, tables
+from er_studies.bench.ros_beside import (
+    BUSY,
+    LIVE,
+    NOTHING,
+    PAGE,
+    PHASES,
+    Phase,
+    family,
+    ratio,
+    tables,
+)
 from er_studies.bench.ros_monitor import MONITOR, missed
 
 
@@ -37,9 +47,9 @@ def test_a_prediction_that_came_late_or_never_is_late() -> None:
 def test_the_loop_is_compared_turn_by_turn_since_a_machine_gets_slower() -> None:
     assert ratio(phase(1.5), phase()) == pytest.approx(1.5)
     loops, processes = tables({name: phase(1.0 + k) for k, name in enumerate(PHASES)})
-    assert [row[4] for row in loops.rows] == ["1.00", "2.00", "3.00", "4.00"]
-    assert loops.rows[-1][:2] == [PAGE, "6.00"]
-    assert loops.rows[-1][-2:] == ["0.00%", "58.33%"]
+    assert [row[4] for row in loops.rows] == ["1.00", "2.00", "3.00", "4.00", "5.00"]
+    assert loops.rows[-1][:2] == [PAGE, "7.50"]
+    assert loops.rows[-1][-2:] == ["0.00%", "66.33%"]
     assert loops.rows[0][-2:] == ["", ""]
     assert ["plant", "6.0", "1.00"] in processes.rows
 
@@ -50,6 +60,8 @@ def test_late_predictions_and_a_dear_page_are_missed() -> None:
     assert not missed(phases)
     assert not missed({**phases, NOTHING: phase(late=9), PAGE: phase(late=9)})
     assert missed({**phases, MONITOR.name: phase(late=1)})
+    assert missed({**phases, PAGE: phase(1.4)})
+    assert not missed({**phases, PAGE: phase(1.4), BUSY: phase(1.4)})
     phases[PAGE].parts[LIVE] = 15.1
     assert missed(phases)
 

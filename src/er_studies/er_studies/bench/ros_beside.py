@@ -1,18 +1,20 @@
 """What runs beside the control loop, and what that costs the loop: ages of messages and processor time.
 
 Plant and controller run all the time. Beside them run, in turns: nothing; a node of plain rclpy with the monitor's
-ends, which computes nothing; the monitor; monitor and live page. A browser shows the page where there is one; it has
-what all others leave of the machine. An age is the time from the stamp of a sample until its answer was handed to the
+ends, which computes nothing; the monitor; the monitor and a busy loop on every core; monitor and live page. A browser
+shows the page where there is one. Browser and busy loops have what all others leave of the machine: what the busy ones
+cost the loop, any program costs it. An age is the time from the stamp of a sample until its answer was handed to the
 middleware.
 """
 
 from __future__ import annotations
 
 import io
+import os
 import struct
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import monotonic, sleep
@@ -38,7 +40,15 @@ from er_studies.bench.ros import START
 from er_studies.given_out import Table
 
 NOTHING, PLAIN, LIVE, PAGE = "nothing", "plain rclpy", "live page", "monitor and live page"
-PHASES = (NOTHING, PLAIN, MONITOR.name, PAGE)
+BUSY = "monitor and busy loops"
+PHASES = (NOTHING, PLAIN, MONITOR.name, BUSY, PAGE)
+SPIN = """
+import os
+os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+print("busy", flush=True)
+while True:
+    pass
+"""
 ROUNDS = 3
 """How often each has its turn."""
 SETTLE = 2.0
@@ -155,6 +165,10 @@ def measured(seconds: float) -> dict[str, Phase]:
             with _beside(MONITOR.name, argv(monitor)) as watching:
                 ears.wait(lambda found: len(found[MODEL_FORCE]) > 0, "the first prediction")
                 _turn(ears, phases[MONITOR.name], loop, {MONITOR.name: watching}, part)
+                with ExitStack() as loops:
+                    for _ in range(os.cpu_count() or 1):
+                        loops.enter_context(_busy())
+                    _turn(ears, phases[BUSY], loop, {MONITOR.name: watching}, part)
                 with _shown() as page:
                     both = {MONITOR.name: watching, LIVE: page}
                     _turn(ears, phases[PAGE], loop, both, part)
@@ -216,6 +230,15 @@ def _beside(label: str, command: Sequence[str], out: io.StringIO | None = None) 
 
 
 @contextmanager
+def _busy() -> Iterator[None]:
+    """A loop that is busy with nothing while all others leave it a core."""
+    said = io.StringIO()
+    with _beside("busy", [sys.executable, "-c", SPIN], said):
+        _read(said, "busy")
+        yield
+
+
+@contextmanager
 def _shown() -> Iterator[Child]:
     """The live page, in a browser where there is one; it shows the graph."""
     said, seen = io.StringIO(), io.StringIO()
@@ -246,7 +269,7 @@ def tables(phases: dict[str, Phase]) -> list[Table]:
     for name, phase in phases.items():
         ages = np.percentile(np.concatenate(phase.loop), (50.0, 99.0, 99.9))
         size = [f"{each:.2f}" for each in (*ages, ratio(phase, phases[NOTHING]))]
-        watches = name in (MONITOR.name, PAGE)
+        watches = name not in (NOTHING, PLAIN)
         late = [f"{share:.2%}" if watches else "" for share in (phase.late, phase.late_loop)]
         rows.append([name, *size, f"{np.mean(phase.cpu):.1f}", *late])
     head = [
