@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from er_studies.given_out import table
 
+from test.result_tables.given import Tables, given
 from test.result_tables.stored import Run
 
-ALARMS = Run("alarms", "study alarms", "page.md", ("src/er_model_lab/er_model_lab/monitor",))
+CODE = ("src/er_model_lab/er_model_lab/monitor",)
+ALARMS = Run("alarms", "study alarms", "page.md", CODE)
+MEASURED = "study monitor mts/train --model better.yaml"
 
 
 def false_alarms(values: dict[str, Any]) -> str:
@@ -23,4 +25,7 @@ def false_alarms(values: dict[str, Any]) -> str:
     return table(head, rows)
 
 
-TABLES: dict[str, tuple[Run, Callable[[Any], str]]] = {"alarms": (ALARMS, false_alarms)}
+TABLES: Tables = {
+    "alarms": (ALARMS, false_alarms),
+    **given("monitored", MEASURED, "page.md", CODE, "monitor on measured runs"),
+}

@@ -56,6 +56,20 @@ def test_one_wild_block_is_no_alarm() -> None:
     assert k.added(k.added(once, 1e9, motion), 1e9, motion) >= k.limit
 
 
+def test_an_alarm_does_not_come_and_go_with_quiet_blocks_and_ends_after_a_while_without_a_sign() -> (
+    None
+):
+    rng = np.random.default_rng(5)
+    motion = np.tile([1.0, 0.0, 0.0], (240, 1))
+    known = learnt(RULES, rng.chisquare(50, 240) / 50.0, motion)
+    begun, quiet, blocks = 2.0 * float(known.limit), np.array([1.0, 0.0, 0.0]), 0
+    assert known.added(begun, 1e-6, quiet) == 0.0, "one quiet block ends what is no alarm yet"
+    left = known.added(begun, 1e-6, quiet, failing=True)
+    while left > 0.0:
+        left, blocks = known.added(left, 1e-6, quiet, failing=True), blocks + 1
+    assert blocks * RULES.block == pytest.approx(20.0, abs=1.0)
+
+
 def test_a_rougher_road_is_no_alarm_and_its_error_is_learnt_part_by_part() -> None:
     rng = np.random.default_rng(2)
 

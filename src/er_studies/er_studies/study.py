@@ -9,6 +9,7 @@ er study figures [ARGS]               frequency responses of the observers' erro
 er study fault_trials [ARGS]          the fault estimator on random drives, and beside its rivals
 er study fault_statistics [ARGS]      hundreds of drives on roads of every kind, with faults and without
 er study alarms [ARGS]                the monitor's test on errors drawn at random: false alarms, delays
+er study monitor DATA --model M [ARGS]  the live monitor along measured runs: its alarms, how soon it finds growth
 er study damaged_frames [ARGS]        frames of the hardware bridge by the million, damaged in every way
 er study reach DATA --model M [ARGS]  what held-out records leave to trees and to those who know more than a model
 er study import KIND SOURCE [ARGS]    a measured data set of another laboratory in the lab's columns
@@ -30,6 +31,7 @@ PARTS = {
     "fault_trials": "er_studies.faults.command",
     "fault_statistics": "er_studies.faults.statistics_command",
     "alarms": "er_studies.alarms",
+    "monitor": "er_studies.monitored",
     "damaged_frames": "er_studies.damaged_frames",
     "reach": "er_studies.reach",
     "import": "er_studies.importers.command",

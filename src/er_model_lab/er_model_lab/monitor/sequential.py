@@ -38,6 +38,8 @@ OVERSHOOT = 1.166
 """Twice Siegmund's correction for the jump over the limit, in standard deviations."""
 AT_LEAST = 3
 """Blocks that an alarm takes: one that is wild, a stone under the wheel for instance, is none."""
+CALM = 40
+"""Blocks that take the sum of an alarm down by one limit at least: 10 s of motion."""
 
 
 @dataclass(frozen=True)
@@ -80,10 +82,15 @@ class Known:
         """Power of the error that blocks (..., 3) should have, their mean logarithm taken in [N2]."""
         return np.exp(self.mean) * _power(motion, self.coefficients)
 
-    def added(self, total: Any, power: Any, motion: Array) -> Any:
-        """The sum after another block, from what it was before."""
+    def added(self, total: Any, power: Any, motion: Array, *, failing: bool = False) -> Any:
+        """The sum after another block, from what it was before.
+
+        While the model fails a block takes little from it: an error crosses zero now and then, and in a gentle motion
+        it hides in the noise.
+        """
         excess = np.log(power / self.expected(motion)) - self.half
-        return np.maximum(total + np.minimum(excess, self.limit / AT_LEAST), 0.0)
+        least = -self.limit / CALM if failing else -math.inf
+        return np.maximum(total + np.clip(excess, least, self.limit / AT_LEAST), 0.0)
 
     def delay(self, change: float, block: float) -> float:
         """How long a change of the error, as a share of itself, takes to be found in the mean [s]; inf: for ever."""

@@ -126,9 +126,10 @@ def _block(s: Settings, w: Watch, power: float, doubt: float, force: float) -> W
         motion = np.column_stack([np.ones(len(rows)), table[:, 1:]])
         return w._replace(rows=(), known=learnt(s.rules, table[:, 0], motion, s.floor))
     motion, limit = np.array([1.0, doubt, force]), float(w.known.limit)
-    total = min(float(w.known.added(w.total, power, motion)), HIGHEST * limit)
-    since = w.since
-    if total > limit and math.isnan(since):
+    since, failing = w.since, not math.isnan(w.since)
+    total = float(w.known.added(w.total, power, motion, failing=failing))
+    total = min(total, HIGHEST * limit)
+    if total > limit and not failing:
         since = w.moved
     elif total == 0.0:
         since = math.nan
