@@ -463,7 +463,7 @@ class Part:
     problem: object = None
     data: object = None
     interrupted: bool = False
-    rounds: tuple[SimpleNamespace, ...] = (SimpleNamespace(threshold=0.1),)
+    rounds: tuple[SimpleNamespace, ...] = (SimpleNamespace(threshold=0.1, taken=None),)
 
 
 @dataclass(frozen=True)
@@ -507,7 +507,7 @@ def pruned(monkeypatch, after):
     work = SimpleNamespace(wind_up=lambda: None)
     asked = SimpleNamespace(model=given, level=level, seed=0, work=work)
     made = improve._Passes([study, study], grown)
-    found = improve._pruned(made, asked, SimpleNamespace(digest=""), "m")
+    found = improve._together(made, asked, SimpleNamespace(digest=""), "m")
     return found, [e for e in found.model.effects if e not in given.effects]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,6 +15,7 @@ from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.candidates import Candidate
+from er_model_lab.diagnosis.exchange import Exchange, exchanged_late
 from er_model_lab.diagnosis.floor_estimates import AGREE
 from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.diagnosis.investigation import BEYOND_DOUBT
@@ -94,7 +95,7 @@ def improve(
         raise InputError("level", "", "damper (measured terms add to the damper force)", level)
     start = resume(interrupted, model, asked.data)
     named = name or f"{model.name}_improved"
-    made = _pruned(_passes(asked, start, named, keep), asked, start, named)
+    made = _together(_passes(asked, start, named, keep), asked, start, named)
     if measured_terms and not made.stopped:
         made = _with_terms(made, asked, start, named)
     last = made.terms[-1][1] if made.terms else made.studies[-1]
@@ -238,41 +239,54 @@ def _goes_on(found: Diagnosis) -> bool:
     return float(np.sqrt(found.best.mse)) > AGREE * found.floor.floor
 
 
-def _pruned(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
-    """What several studies made, without the effects that those added later make needless, or that cancel.
+def _together(made: _Passes, asked: Question, start: Begun, name: str) -> _Passes:
+    """What several studies made, seen as a whole: effects are exchanged for what came near them, and left out.
 
-    Errors of the velocity channel that were undone before are no part of what is searched.
+    What goes is what leaves more beside those added later, what is needless there, and what cancels. Errors of the
+    velocity channel that were undone before are no part of what is searched.
     """
     added = tuple(e for e in made.model.effects if e not in asked.model.effects)
     if len(made.studies) < 2 or len(added) < 2 or made.stopped:
         return made
     last = made.studies[-1]
     found, problem = last.diagnosis, last.problem
-    bare = _as_searched(found.best)
+    bare, limit = _as_searched(found.best), found.rounds[0].threshold
     able = tuple(e for e in bare.fit.model.effects if e in added)
-    limit = BEYOND_DOUBT * found.rounds[0].threshold
+    rounds = [step for study in made.studies for step in study.diagnosis.rounds]
     try:
-        kept = prune(replace(bare, effects=able), problem, limit)
+        other, exchanges = exchanged_late(replace(bare, effects=able), rounds, problem, limit)
+        kept = prune(other, problem, BEYOND_DOUBT * limit)
     except STOPPED:
         asked.work.wind_up()
         return replace(made, stopped=True)
+    if rise(problem, found.best, kept, BAND):
+        kept = other
     dropped = tuple(e for e in able if e not in kept.effects)
-    if not dropped or rise(problem, found.best, kept, BAND):
+    if not dropped:
         return made
     kept = replace(kept, fit=restored(kept.fit, found.best.fit.model))
-    own = tuple(e for e in found.effects if e not in dropped)
+    come = tuple(e for e in kept.effects if e not in able)
+    own = (*(e for e in found.effects if e in kept.effects), *come)
     left = replace(found, best=replace(kept, effects=own), effects=own)
     study = replace(last, diagnosis=left)
     grown = (study, made.model)
-    note = f"{' and '.join(dropped)} taken out again: beside the other effects the error stays the same without"
     return replace(
         made,
         studies=[*made.studies[:-1], study],
         model=_grown(_as_fitted(study), grown, asked, start, name),
         last=grown,
         dropped=dropped,
-        notes=(*made.notes, note),
+        notes=(*made.notes, *_said(exchanges, other, kept)),
     )
+
+
+def _said(exchanges: Sequence[Exchange], other: Candidate, kept: Candidate) -> Iterator[str]:
+    """What is said of effects that were exchanged, and of those that were left out then."""
+    for gone, come in exchanges:
+        yield f"{come} in the place of {gone}: beside the other effects the error is smaller so"
+    less = [e for e in other.effects if e not in kept.effects]
+    if less:
+        yield f"{' and '.join(less)} taken out again: beside the other effects the error stays the same without"
 
 
 def _as_searched(best: Candidate) -> Candidate:
