@@ -11,7 +11,7 @@ from operator import itemgetter
 
 from er_models.model import Model
 
-from er_model_lab.diagnosis.candidates import Candidate, cross_judged, effect_size
+from er_model_lab.diagnosis.candidates import A_LOOK, Candidate, cross_judged, effect_size
 from er_model_lab.diagnosis.search import Round, close, rises, taken_in
 from er_model_lab.fitting.fit import LOOKS, fit
 from er_model_lab.problem.problem import Problem
@@ -71,31 +71,40 @@ def _pairs(taken: Mapping[str, Round]) -> dict[Exchange, Mapping[str, float]]:
 def _best_of(
     best: Candidate, trials: list[Trial], problem: Problem, limit: float
 ) -> tuple[Candidate, Exchange] | None:
-    """The exchange that lowers the error most, of those that promise it on stretches of many runs; None: none does."""
+    """The exchange that lowers the error most, of those that promise it on stretches of many runs; None: none does.
+
+    The model as it is ends as the others do before they are compared with it.
+    """
     few = problem.practice.problem if problem.practice else problem
     models = [best.fit.model, *(model for _, model in trials)]
-    (_, least), *looks = few.each(_looked, models, stage=EXCHANGING)
+    (own, least), *looks = few.each(_looked, models, stage=EXCHANGING)
     seen = [(left, pair, model) for (model, left), (pair, _) in zip(looks, trials, strict=True)]
     ahead = sorted((each for each in seen if each[0] < least), key=itemgetter(0))[:FINALISTS]
-    jobs = [(pair, model) for _, pair, model in ahead]
-    ended = problem.each(_ended, jobs, best, stage=EXCHANGING)
+    if not ahead:
+        return None
+    jobs = [(None, own), *((pair, model) for _, pair, model in ahead)]
+    as_it_is, *ended = problem.each(_ended, jobs, best, stage=EXCHANGING)
     good = [
         (c, pair)
-        for c, (pair, _) in zip(ended, jobs, strict=True)
-        if effect_size(best, c) > limit and not rises(best, c, problem)
+        for c, (_, pair, _) in zip(ended, ahead, strict=True)
+        if effect_size(as_it_is, c) > limit and not rises(best, c, problem)
     ]
     return min(good, key=lambda each: each[0].left, default=None)
 
 
 def _looked(model: Model, problem: Problem) -> tuple[Model, float]:
-    """A model fitted to stretches, and the mean square that it leaves there [N2]."""
-    found = fit(model, problem, sketch=True)
+    """A model fitted to stretches, and the mean square that it leaves there [N2].
+
+    With another effect in it a fit ends in a valley: one that begins anew where a short one ended goes on.
+    """
+    begun = fit(model, problem, sketch=True, max_iter=A_LOOK)
+    found = fit(begun.model, problem, sketch=True)
     return found.model, found.mse(problem.train)
 
 
-def _ended(job: Trial, problem: Problem, best: Candidate) -> Candidate:
-    """An exchange fitted to all data."""
-    (name, other), model = job
-    place = best.effects.index(name)
-    effects = (*best.effects[:place], other, *best.effects[place + 1 :])
+def _ended(job: tuple[Exchange | None, Model], problem: Problem, best: Candidate) -> Candidate:
+    """The model after an exchange, or without one, fitted to all data."""
+    pair, model = job
+    gone, come = pair or ("", "")
+    effects = tuple(come if name == gone else name for name in best.effects)
     return cross_judged(effects, fit(model, problem, max_iter=30, looks=LOOKS), problem)
