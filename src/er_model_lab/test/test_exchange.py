@@ -55,6 +55,7 @@ def test_what_came_near_an_effect_may_replace_it_and_those_taken_later(
     _, step, _ = case
     monkeypatch.setattr(exchange, "close", lambda s: [TRUE, WRONG] if s is step else [])
     later = Round(step.base, [], step.null, 1.0, None, [])
-    found = exchange._pairs({"before": later, WRONG: step, "later": later})
+    model = step.base.fit.model.with_effect(WRONG)
+    found = exchange._pairs({"before": later, WRONG: step, "later": later}, model)
     assert list(found) == [(WRONG, TRUE), ("later", TRUE)]
     assert found["later", TRUE] == step.candidates[0].fit.model.effects[TRUE]

@@ -36,7 +36,7 @@ def exchanged_late(
 
     best: with the effects of all passes; rounds: of all passes. Held-out data may refuse an exchange.
     """
-    near = _pairs(taken_in(rounds))
+    near = _pairs(taken_in(rounds), best.fit.model)
     made: list[Exchange] = []
     while len(made) < MOST:
         settled = {name for pair in made for name in pair}
@@ -54,16 +54,16 @@ def exchanged_late(
     return best, tuple(made)
 
 
-def _pairs(taken: Mapping[str, Round]) -> dict[Exchange, Mapping[str, float]]:
+def _pairs(taken: Mapping[str, Round], model: Model) -> dict[Exchange, Mapping[str, float]]:
     """What came near an effect that was taken may come in its place, or in that of one taken later beside it.
 
-    With the values that it had then; taken: the round of each, in their order.
+    With the values that it had then; taken: the round of each, in their order; model: holds what need not come.
     """
     order, found = list(taken), dict[Exchange, Mapping[str, float]]()
     for k, first in enumerate(order):
         step = taken[first]
         at = {c.name: c.fit.model.effects[c.name] for c in step.candidates}
-        for other in [name for name in close(step) if name != first][:RIVALS]:
+        for other in [name for name in close(step) if name not in model.effects][:RIVALS]:
             found |= {(name, other): at[other] for name in order[k:]}
     return found
 
