@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from er_model_lab.monitor.sequential import HOUR, RULES, Known, Rules, learnt
 from er_model_lab.monitor.simulated import Drive, alarms, delays
+from er_model_lab.monitor.watch import HIGHEST
 
 DRIVES = {
     "white, noise alone": Drive(),
@@ -59,14 +60,11 @@ def test_one_wild_block_is_no_alarm() -> None:
 def test_an_alarm_does_not_come_and_go_with_quiet_blocks_and_ends_after_a_while_without_a_sign() -> (
     None
 ):
-    rng = np.random.default_rng(5)
-    motion = np.tile([1.0, 0.0, 0.0], (240, 1))
-    known = learnt(RULES, rng.chisquare(50, 240) / 50.0, motion)
-    begun, quiet, blocks = 2.0 * float(known.limit), np.array([1.0, 0.0, 0.0]), 0
-    assert known.added(begun, 1e-6, quiet) == 0.0, "one quiet block ends what is no alarm yet"
-    left = known.added(begun, 1e-6, quiet, failing=True)
+    k, quiet, blocks = known(0.2), np.ones(3), 0
+    left = HIGHEST * float(k.limit)
+    assert k.added(left, 1e-6, quiet) == 0.0, "one quiet block ends what is no alarm yet"
     while left > 0.0:
-        left, blocks = known.added(left, 1e-6, quiet, failing=True), blocks + 1
+        left, blocks = float(k.added(left, 1e-6, quiet, failing=True)), blocks + 1
     assert blocks * RULES.block == pytest.approx(20.0, abs=1.0)
 
 

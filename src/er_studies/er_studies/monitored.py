@@ -59,10 +59,17 @@ class _Seen(NamedTuple):
 
 
 def ordered(model: Model, records: Sequence[Record], seed: int) -> Order:
-    """The monitor along records of one rate in an order drawn at random."""
+    """The monitor along records of one rate in an order drawn at random.
+
+    Raises:
+        InputError: No more motion can be judged than is learnt from.
+    """
     drawn = [records[k] for k in np.random.default_rng(seed).permutation(len(records))]
     monitor = compare.monitor(model, drawn[0].dt, HOLD, RULES)
     quiet = _along(monitor, drawn, math.inf)
+    if quiet.motion <= LEARNT:
+        wanted = f"more than {LEARNT:g} s of motion, with its deflection and damper_force"
+        raise InputError("data", "", wanted, f"{quiet.motion:g} s")
     grown = _along(monitor, drawn, 0.5 * sum(map(len, drawn)))
     found = next((at - grown.grew for at, _ in grown.alarms if at > grown.grew), math.inf)
     return Order(quiet.motion - LEARNT, tuple(name for _, name in quiet.alarms), found)

@@ -21,9 +21,8 @@ MODEL = load_model(file_of("inove_guo", "dampers"))
 
 def runs(*factors: float) -> list[Record]:
     """Runs of 40 s, the force of each times a factor."""
-    made = []
+    made, whole = [], record(MODEL, 40.0 * len(factors))
     for k, factor in enumerate(factors):
-        whole = record(MODEL, 40.0 * len(factors))
         part = whole.slice(k * len(whole) // len(factors), (k + 1) * len(whole) // len(factors))
         channels = {**part.channels, "damper_force": factor * part.channels["damper_force"]}
         made.append(replace(part, name=f"run {k}", channels=channels))
@@ -49,6 +48,17 @@ def test_runs_of_several_rates_are_refused(tmp_path: Path) -> None:
     write_csv(_slow(second), tmp_path / "b.csv")
     with pytest.raises(InputError, match="runs of one rate"):
         monitored.monitor_command([tmp_path], file_of("inove_guo", "dampers"), 1, 1, None)
+
+
+def test_too_little_motion_to_judge_and_a_force_that_is_missing_are_refused() -> None:
+    with pytest.raises(InputError, match="more than 60 s of motion"):
+        monitored.ordered(MODEL, runs(1.0), seed=1)
+    silent = [
+        replace(r, channels={k: y for k, y in r.channels.items() if k != "damper_force"})
+        for r in runs(1.0, 1.0, 1.0)
+    ]
+    with pytest.raises(InputError, match="damper_force"):
+        monitored.ordered(MODEL, silent, seed=1)
 
 
 def _slow(given: Record) -> Record:
