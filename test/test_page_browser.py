@@ -117,7 +117,11 @@ def test_columns_of_a_foreign_rig_are_told_once_and_a_new_model_is_scaled_to_the
         own.write_text("\n".join(["ch1,ch2,ch3", *lines]), encoding="utf-8")
     with seen(cwd=tmp_path) as page:
         page.get_by_text("No data yet").wait_for()
-        page.set_input_files("input[type=file]", files)
+        late = list[Any]()
+        page.route("**/upload/*", lambda held: late.append(held), times=1)
+        with page.expect_response("**/upload/*"):
+            page.set_input_files("input[type=file]", files)
+        late[0].continue_()  # the first file arrives last, and is asked about first
         asked = page.locator(".q-dialog")
         state, use = asked.get_by_role("status"), asked.get_by_role("button", name="Use")
 

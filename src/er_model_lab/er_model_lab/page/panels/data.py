@@ -11,7 +11,7 @@ from er_models.errors import ErError, InputError
 from er_models.own import effects
 from er_models.shipped import MODELS, names
 from nicegui import ui
-from nicegui.events import UploadEventArguments
+from nicegui.events import GenericEventArguments, UploadEventArguments
 
 from er_model_lab.fitting.kinds import KINDS
 from er_model_lab.output.text.units import percent
@@ -47,6 +47,8 @@ class DataPanel:
             on_rejected=lambda: ui.notify(f"more than {dropped.LARGEST >> 30} GB"),
         )  # fmt: skip
         self.upload.props("flat bordered no-thumbnails").add_slot("header", HEADER)
+        self.upload.on("added", self._announced, js_handler="f => emit(f.map(each => each.name))")
+        self.upload.on("finish", self._sent, args=[])
         shipped = [n for n in names(*MODELS) if n in names("dampers")]
         self.model = ui.select(
             shipped, label="Begin with a shipped model", on_change=host.safely(lambda e: self._start(e.value))
@@ -68,7 +70,7 @@ class DataPanel:
         self.findings = ui.column().classes("w-full gap-1")
         self.shown: object = None
         self.desk = desk
-        self.asking, self.waiting = asyncio.Lock(), 0
+        self.turns, self.coming = asyncio.Condition(), dict[str, bool]()
         self.said: dict[tuple[str, ...], dict[str, Any]] = {}
 
     def refresh(self) -> None:
@@ -188,20 +190,42 @@ class DataPanel:
     async def _dropped(self, event: UploadEventArguments) -> None:
         """Keep a file that was dropped, and do with it what belongs to its kind."""
         desk, name = self.desk, event.file.name
-        kind = desk.admitted(name, event.file.size())
-        path = dropped.place_for(desk.folder, name)
-        await event.file.save(path)
-        self.waiting += 1
+        self.coming[name], path = True, None
         try:
-            await self._take(kind, path)
+            kind = desk.admitted(name, event.file.size())
+            path = dropped.place_for(desk.folder, name)
+            await event.file.save(path)
+            async with self.turns:
+                await self.turns.wait_for(
+                    lambda: name in [*self.coming][:1] or name not in self.coming
+                )
+                await self._take(kind, path)
         except ErError:
-            path.unlink(missing_ok=True)
+            if path is not None:
+                path.unlink(missing_ok=True)
             raise
         finally:
-            self.waiting -= 1
-            if not self.waiting:  # what comes later is asked for anew: an answer may be mended
+            await self._settled(name)
+
+    def _announced(self, event: GenericEventArguments) -> None:
+        """Files that come together arrive in any order: the browser says in which the user gave them."""
+        for name in event.args:
+            self.coming.setdefault(name, False)
+
+    async def _sent(self) -> None:
+        """A file that the browser could not send keeps no other waiting."""
+        for name in [n for n, arrived in self.coming.items() if not arrived]:
+            ui.notify(f"{name}: did not arrive", type="negative")
+            await self._settled(name)
+
+    async def _settled(self, name: str) -> None:
+        """The next file's turn."""
+        async with self.turns:
+            self.coming.pop(name, None)
+            if not self.coming:  # what comes later is asked for anew: an answer may be mended
                 self.said.clear()
                 self.upload.reset()  # it refuses a file that stands in its list
+            self.turns.notify_all()
 
     async def _take(self, kind: str, path: Path) -> None:
         desk = self.desk
@@ -230,19 +254,18 @@ class DataPanel:
         """Ask what the columns are where they do not say so themselves; once for files that come together."""
         from er_model_lab.verbs.map import map as mapped
 
-        async with self.asking:
-            found = await asyncio.to_thread(mapped, path)
-            headers = tuple(s.header for s in found.survey.columns)
-            said = self.said.get(headers)
-            if said is not None:
-                found = await asyncio.to_thread(mapped, path, said)
-                ui.notify(f"{path.name}: read as the file before with these columns")
-            if found.trouble or (said is None and not found.needless):
-                said = await MappingDialog(path, found).asked()
-                if said is None:
-                    path.unlink()
-                    ui.notify(f"{path.name}: left out")
-                    return
-                self.said[headers] = said
-            self.desk.bring(with_source(self.desk.now, Source(path, said)))
-            await asyncio.to_thread(self.desk.jobs.wait)
+        found = await asyncio.to_thread(mapped, path)
+        headers = tuple(s.header for s in found.survey.columns)
+        said = self.said.get(headers)
+        if said is not None:
+            found = await asyncio.to_thread(mapped, path, said)
+            ui.notify(f"{path.name}: read as the file before with these columns")
+        if found.trouble or (said is None and not found.needless):
+            said = await MappingDialog(path, found).asked()
+            if said is None:
+                path.unlink()
+                ui.notify(f"{path.name}: left out")
+                return
+            self.said[headers] = said
+        self.desk.bring(with_source(self.desk.now, Source(path, said)))
+        await asyncio.to_thread(self.desk.jobs.wait)
