@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from er_model_lab.preflight.samples import time_findings
 from er_model_lab.problem.prepare import resampled
 from er_records.record import Record
 from er_records.sampling import even, with_velocity
+from er_records.timing import timing_of
 from scipy.signal import savgol_filter
 
 
@@ -40,6 +42,16 @@ def test_of_times_since_1970_too():
     found = even(replace(sine(t), t=np.round(t, 3)))
     assert found.dt == pytest.approx(1.0 / 512.0, rel=1e-4)
     assert "times are rounded" in found.notes[-1]
+
+
+def test_times_rounded_by_a_logger_are_no_jitter():
+    """A logger at 300 Hz that writes milliseconds steps by 3, 3 and 4 ms."""
+    stored = timing_of(np.round(1e3 * np.arange(3000) / 300.0) / 1e3)
+    assert (1.0 / stored.dt, stored.jitter) == (pytest.approx(300.0, rel=1e-6), 0.0)
+    finding = next(time_findings(replace(sine(np.arange(9.0)), timing=stored)))
+    assert (finding.level, finding.found) == ("ok", "300 Hz, times rounded to 1 ms")
+    t = np.arange(3000) / 300.0 + np.random.default_rng(1).uniform(-1e-3, 1e-3, 3000)
+    assert timing_of(np.round(t, 3)).jitter > 5e-4
 
 
 def test_jitter_in_rounded_times_is_jitter():

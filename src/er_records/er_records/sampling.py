@@ -10,11 +10,10 @@ from dataclasses import replace
 import numpy as np
 
 from er_records.record import HELD, Array, Record
+from er_records.timing import rounded
 
 JITTER = 0.10
 """Largest deviation of a sample time from the median, as a share of it, that is left as it is."""
-UNITS, WHOLE, HALF = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6), 0.02, 0.6
-"""Units that times are rounded to [s]; how near to whole ones, and to the line, times must be, in such units."""
 ROUNDED = 1e-3
 """Difference of median and mean sample time, as a share, up to which either will do."""
 
@@ -47,17 +46,6 @@ def even(record: Record, limit: float = JITTER) -> Record:
     return _resampled(
         record, mean, f"the sample time changes ({1e3 * dt:.4g} ms as a rule, {1e3 * mean:.4g} ms on average)"
     )  # fmt: skip
-
-
-def rounded(t: Array) -> tuple[float, float] | None:
-    """First time and step [s] of equal steps whose times (n,) are these, rounded; None where they are not."""
-    unit = next((u for u in UNITS if np.max(np.abs(t / u - np.round(t / u))) < WHOLE), None)
-    if unit is None:
-        return None
-    k = np.arange(t.size)
-    step, late = (float(c) for c in np.polyfit(k, t - t[0], 1))
-    missed = float(np.max(np.abs(late + step * k - (t - t[0]))))
-    return (float(t[0]) + late, step) if missed < HALF * unit else None
 
 
 def _resampled(record: Record, dt: float, why: str) -> Record:

@@ -190,6 +190,25 @@ def test_what_the_user_says_counts(tmp_path: Path, said: Any, channel: str, expe
     assert yaml.safe_load(found.text()) == found.names
 
 
+def test_the_zero_of_an_absolute_sensor_is_offered_and_not_taken(tmp_path: Path) -> None:
+    """A stroke of 12.7 to 50 mm has no zero in it: what its middle would take is said, for all files of the sensor."""
+    x, v = 18.65 * np.sin(8.0 * T) + 31.35, 149.2 * np.cos(8.0 * T)
+    np.savetxt(
+        tmp_path / "run.csv",
+        np.column_stack([T, x, 3.0 * v]),
+        delimiter=",",
+        header="t [s],Weg [mm],Kraft [N]",
+        comments="",
+    )
+    found = mapped(tmp_path)
+    assert found.names["deflection"] == "Weg"
+    assert "12.7 to 50 mm, never zero" in found.hint
+    taken = yaml.safe_load(found.hint.partition("deflection='")[2].rstrip("'"))
+    centred = mapped(tmp_path, {"deflection": taken})
+    assert centred.hint == ""
+    assert centred.records[0].channels["deflection"].max() == pytest.approx(0.01865, rel=0.01)
+
+
 def test_nothing_is_overwritten_without_being_told(tmp_path: Path) -> None:
     found = mapped(folder(tmp_path))
     path = found.save()

@@ -87,6 +87,8 @@ def _say(found: Mapped, written: Path | None) -> None:
     typer.echo(
         f"reads as {len(found.records)} record{'s' * (len(found.records) != 1)}, {seconds:.4g} s"
     )
+    if found.hint:
+        typer.echo(f"note: {found.hint}")
     if written:
         typer.echo(f"mapping: {written}")
     elif found.needless:

@@ -46,6 +46,8 @@ def time_findings(record: Record) -> Iterator[Finding]:
         return
     rate = 1.0 / timing.dt
     found = f"{rate:.4g} Hz, jitter {1e3 * timing.jitter:.2g} ms rms"
+    if timing.unit:
+        found = f"{rate:.4g} Hz, times rounded to {1e3 * timing.unit:g} ms"
     level: Level = "ok"
     if rate < 0.99 * SLOW or timing.jitter > JITTERY * timing.dt:
         level = "warning"

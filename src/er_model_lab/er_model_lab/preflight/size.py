@@ -45,14 +45,14 @@ def off_centre(record: Record, model: Model) -> float:
 
 def centre_notes(records: Sequence[Record], model: Model) -> tuple[str, ...]:
     """What is said of deflections whose middle lies beyond what the model is made for."""
-    reach = model.scales.deflection
-    middles = [middle for record in records if (middle := off_centre(record, model))]
-    said = (
-        f"the deflection's middle is at {1e3 * middle:.3g} mm, the model is made for {1e3 * reach:.3g} mm to either "
-        "side: the sensor's zero may be another (deflection_zero)"
-        for middle in middles
+    middles = sorted(middle for record in records if (middle := off_centre(record, model)))
+    if not middles:
+        return ()
+    ends = dict.fromkeys(f"{1e3 * middle:.3g}" for middle in (middles[0], middles[-1]))
+    return (
+        f"the deflection's middle is at {' to '.join(ends)} mm, the model is made for "
+        f"{1e3 * model.scales.deflection:.3g} mm to either side: the sensor's zero may be another (deflection_zero)",
     )
-    return tuple(dict.fromkeys(said))
 
 
 def _newtons(force: float) -> str:

@@ -54,6 +54,25 @@ class Mapped:
         return {c: g for c, g in self.guesses.items() if g.sure < LIKELY}
 
     @property
+    def hint(self) -> str:
+        """How the middle of the stroke becomes the zero of a deflection that never crosses it; '' where it does."""
+        x = [r.channels["deflection"] for r in self.records if r.has("deflection")]
+        source = self.sources.get("deflection")
+        if source is None or not x:
+            return ""
+        low, high = np.nanpercentile(np.concatenate(x), (0.1, 99.9))
+        if low <= 0.0 <= high:
+            return ""
+        middle = float(f"{0.5 * (low + high):.3g}")
+        said = json.dumps(
+            _plain(replace(source, offset=source.offset - middle)), ensure_ascii=False
+        )
+        return (
+            f"the deflection is {1e3 * low:.3g} to {1e3 * high:.3g} mm, never zero; with the middle of the stroke as "
+            f"zero, for all files of this sensor: --set deflection='{said}'"
+        )
+
+    @property
     def needless(self) -> bool:
         """Whether every column has the contract's name and needs no mapping."""
         return all(
@@ -130,7 +149,7 @@ class Mapped:
         return {
             "command": "map", "files": [str(f) for f in self.survey.files], "columns": columns, "names": self.names,
             "unsure": sorted(self.unsure), "records": [r.name for r in self.records], "trouble": self.trouble,
-            "notes": list(dict.fromkeys(n for r in self.records for n in r.notes)),
+            "notes": list(dict.fromkeys(n for r in self.records for n in r.notes)), "hint": self.hint,
         }  # fmt: skip
 
 

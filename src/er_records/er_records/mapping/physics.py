@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from er_records.record import Array
+from er_records.timing import timing_of
 
 COHERENT = 0.95
 """Correlation from which on one column is the derivative of another."""
@@ -47,7 +48,7 @@ def is_time(y: Array) -> bool:
 
 def rate_of(t: Array) -> float:
     """Rate of a time axis (n,) [1 over its unit]."""
-    step = float(np.median(np.diff(t))) if t.size > 1 else 0.0
+    step = timing_of(t).dt if t.size > 1 else 0.0
     return 1.0 / step if step > 0.0 else float("nan")
 
 
