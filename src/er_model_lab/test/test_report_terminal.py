@@ -117,6 +117,15 @@ def test_the_summary_holds_what_was_found() -> None:
         assert words in text, words
 
 
+def test_what_chance_reaches_beside_what_was_found_is_said_where_it_is_less() -> None:
+    found = view()
+    first, *others = found.result["candidates"]
+    candidates = [first | {"threshold": 0.0055}, *others]
+    later = replace(found, result=dict(found.result) | {"candidates": candidates})
+    assert "a size of 0.0220 N at first, 0.00550 N beside what was found" in printed(later)
+    assert "at first" not in printed(found)
+
+
 def test_the_bars_of_the_falling_error_are_in_proportion() -> None:
     bars = printed(view()).partition("the error falls")[2].partition("\n\n")[0]
     rows = [line for line in bars.splitlines() if "#" in line]

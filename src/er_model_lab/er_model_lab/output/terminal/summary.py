@@ -22,7 +22,7 @@ from er_model_lab.output.terminal.plan import plan_lines
 from er_model_lab.output.terminal.preflight import preflight_lines
 from er_model_lab.output.text.fall import stages
 from er_model_lab.output.text.notes import SMALL, by_weight, weight
-from er_model_lab.output.text.ranking import beside, effect_size, limit, ranked
+from er_model_lab.output.text.ranking import beside, chance_says, effect_size, ranked
 from er_model_lab.output.text.regions import ALWAYS, NOTABLE, failures
 from er_model_lab.output.text.units import gain, newtons, percent, short, where
 from er_model_lab.output.text.verdict_text import (
@@ -169,9 +169,9 @@ def _candidates(view: View, pen: Pen) -> Iterator[RenderableType]:
     rows = [_row(view, e, pen) for e in entries[: max(taken, MOST_CANDIDATES)]]
     yield pen.line("")
     yield pen.table(columns, rows)
-    more, chance = len(entries) - len(rows), limit(view)
+    more, chance = len(entries) - len(rows), chance_says(view)
     said = [f"{more} more candidates"] if more > 0 else []
-    said += [f"chance alone reaches a size of {newtons(chance)}"] if chance is not None else []
+    said += [chance] if chance else []
     if said:
         yield pen.line("; ".join(said), "dim")
     never = [str(e["effect"]) for e in view.result.get("unknowable") or ()]

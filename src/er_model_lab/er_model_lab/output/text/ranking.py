@@ -6,8 +6,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from er_model_lab.output.text.units import newtons
 from er_model_lab.view import View
 
+LESS = 0.9
+"""Share of what chance reaches at first below which what it reaches later is said, too."""
 Entry = Mapping[str, Any]
 
 
@@ -54,3 +57,13 @@ def limit(view: View) -> float | None:
     """Effect size that chance reaches in the first round [N], when the result states it: what none took is of that."""
     stated = [e["threshold"] for e in ranked(view) if e.get("threshold") is not None]
     return float(stated[-1]) if stated else None
+
+
+def chance_says(view: View) -> str:
+    """What effect size chance reaches, in a sentence; less, where what was found left less to be explained."""
+    first = limit(view)
+    if first is None:
+        return ""
+    least = min(float(e["threshold"]) for e in ranked(view) if e.get("threshold") is not None)
+    later = f" at first, {newtons(least)} beside what was found" if least < LESS * first else ""
+    return f"chance alone reaches a size of {newtons(first)}{later}"
