@@ -399,7 +399,8 @@ def test_stribeck_friction_without_a_breakaway_is_coulomb_friction():
     model, problem = problem_of("coulomb_friction", {"F_c": 0.5, "v_0": 0.003}, seed=3)
     base = baseline(model, problem)
     plain = refit(base, model.catalogue["coulomb_friction"], problem, max_iter=30)
-    values = {**plain.fit.model.effects["coulomb_friction"], "F_s": 0.0, "v_s": 0.4}
+    own = plain.fit.model.effects["coulomb_friction"]
+    values = {"F_c": own["F_c"], "v_0": own["v_0"], "F_s": 0.0, "v_s": 0.4}
     same = plain.fit.model.without_effect("coulomb_friction").with_effect(
         "stribeck_friction", values
     )

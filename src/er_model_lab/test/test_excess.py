@@ -1,9 +1,11 @@
 """Where a model fails, beyond what noise does there, and the noise from several sides."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.floor_estimates import floors
-from er_model_lab.diagnosis.noise_floor import Floor
+from er_model_lab.diagnosis.noise_floor import Floor, bounded
 from er_model_lab.problem.prepare import prepare
 from er_model_lab.residual.excess import noise_at, region_tables
 from er_models.files import load_model
@@ -106,6 +108,20 @@ def made(x, u, seed=0):
 
 def sides(problem, residual):
     return floors(problem, residual, Floor(0.2, 0.2, 0.15, 0.1, 0.0, {}, (0.0, 0.0, 0.0)))
+
+
+def test_no_noise_of_held_out_data_is_louder_than_what_a_model_that_was_tried_leaves_there(
+    problem,
+):
+    floor = Floor(0.2, 0.5, 0.15, 0.1, 0.0, {}, (0.0, 0.0, 0.0))
+
+    def tried(left):
+        residual = np.where(problem.held_out, left, 0.01)
+        return SimpleNamespace(fit=SimpleNamespace(residual=residual))
+
+    assert bounded(floor, [tried(0.6), tried(0.3)], problem).held_out == pytest.approx(0.3)
+    assert bounded(floor, [tried(0.6)], problem) == floor
+    assert bounded(floor, [], problem) == floor
 
 
 def test_repeated_motion_gives_the_noise_though_the_model_is_wrong():

@@ -96,7 +96,7 @@ def test_a_row_that_jumps_tells_no_derivative(sought, monkeypatch):
 
 def test_a_step_that_a_fit_takes_is_looked_at_once(monkeypatch):
     """Where what is caught begins is found for the step, and known for the derivatives there."""
-    hidden = {"F_p": 2.0, "k_p": 2e4}
+    hidden = {"F_h": 2.0, "z_y": 1e-4, "b": 3e-4}
     model, problem = problem_of("friction_with_play", hidden, seconds=8.0)
     grown = model.with_effect("friction_with_play", {name: 0.7 * v for name, v in hidden.items()})
     rows, there = problem.predicted(grown)

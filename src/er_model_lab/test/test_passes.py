@@ -148,7 +148,11 @@ def test_a_tie_of_a_later_pass_stays():
 def test_as_many_effects_as_a_search_names_are_no_cause_where_more_than_noise_is_left():
     later = found(["cavitation", "freeplay"], "missing_effect", rmse=1.0)
     assert told([FIRST, later])["verdict"] == "partial"
-    assert told([FIRST, later | {"noise_floor": 0.99}])["verdict"] == "missing_effect"
+    quiet, loud = [FIRST, later | {"noise_floor": 0.99}], {"noise_floor": 0.99}
+    assert told([each | loud for each in quiet])["verdict"] == "missing_effect"
+    assert told(quiet)["noise_floor"] == FIRST["noise_floor"], (
+        "no noise is louder than what an earlier pass left"
+    )
     assert told([FIRST, found(["cavitation"], "missing_effect")])["verdict"] == ("missing_effect")
 
 

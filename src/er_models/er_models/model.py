@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from er_models.catalogue import CATALOGUE, Catalogue
-from er_models.errors import InputError
+from er_models.errors import InputError, UnknownName
 from er_models.kernel.compose import fingerprint
 from er_models.kernel.layout import layout, responds
 from er_models.measured import MeasuredTerm, packed
@@ -92,8 +92,14 @@ class Model:
 
         What `values` leave out begins at its first start; where it is optional, it is neutral. Without `values` all
         begins at its first start.
+
+        Raises:
+            UnknownName: No such effect, or a parameter that it does not have.
         """
         effect = self.catalogue[name]
+        known = tuple(q.name for q in effect.parameters)
+        for other in values.keys() - set(known) if values else ():
+            raise UnknownName("parameter", other, known)
         given = {**effect.unsaid, **values} if values else {}
         full = {
             q.name: float(given.get(q.name, self.start(name, q.name))) for q in effect.parameters

@@ -179,3 +179,13 @@ def test_a_model_in_code_needs_every_parameter() -> None:
 def test_the_models_of_the_repository_name_their_source(path: Path) -> None:
     assert load_model(path).source
     assert yaml.safe_load(path.read_text(encoding="utf-8"))["schema"] == "er_model 1"
+
+
+def test_no_effect_takes_a_value_that_it_does_not_have():
+    model = guo()
+    with pytest.raises(UnknownName, match="did you mean F_u or F_h"):
+        model.with_effect("friction_with_play", {"F_p": 2.0})
+    assert (
+        model.with_effect("friction_with_play", {"F_h": 2.0}).value("friction_with_play", "F_h")
+        == 2.0
+    )

@@ -15,7 +15,7 @@ from er_model_lab.diagnosis.determined import loose
 from er_model_lab.diagnosis.evidence import VISIBLE, evidence, reasons, shares
 from er_model_lab.diagnosis.floor_estimates import AGREE, credible
 from er_model_lab.diagnosis.found import Diagnosis
-from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
+from er_model_lab.diagnosis.noise_floor import Floor, bounded, noise_floor
 from er_model_lab.diagnosis.null import Null, simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import (
@@ -70,7 +70,7 @@ def search_effects(
         begun = decided(begun.base, begun.candidates, begun.null, problem, rule)
     base, rounds = begun.base, [begun]
     best = begun.taken or base
-    floor = _floor(problem, _leader(rounds[0]), rounds[0].null, seed)
+    floor = _floor(problem, rounds[0].candidates, _leader(rounds[0]), rounds[0].null, seed)
     try:
         best, floor, ties, further = _searched(best, rounds, floor, problem, seed, rule)
     except STOPPED:
@@ -93,7 +93,7 @@ def one_effect(
     base = known or baseline(model, problem)
     tried = [refit(base, model.catalogue[effect], problem, max_iter=20)] if effect else []
     null = simulate_null(base, tried, problem, seed)
-    floor = _floor(problem, min([base, *tried], key=lambda c: c.mse), null, seed)
+    floor = _floor(problem, tried, min([base, *tried], key=lambda c: c.mse), null, seed)
     limit = threshold(null, floor.floor)
     able = [c for c in tried if there(base, c, problem, limit)]
     step = Round(base, tried, null, limit, able[0] if able else None, [])
@@ -186,9 +186,12 @@ def judge(
     return replace(found, beside=decisive_round.beside(found, problem))
 
 
-def _floor(problem: Problem, leader: Candidate, null: Null, seed: int) -> Floor:
-    """The floor that counts under what the leader of a round leaves."""
-    return credible(noise_floor(problem, leader, null, seed), problem, leader.fit.residual)
+def _floor(
+    problem: Problem, tried: list[Candidate], leader: Candidate, null: Null, seed: int
+) -> Floor:
+    """The floor that counts under what the leader of a round leaves; tried: all that were."""
+    floor = credible(noise_floor(problem, leader, null, seed), problem, leader.fit.residual)
+    return bounded(floor, tried, problem)
 
 
 def _leader(step: Round) -> Candidate:
@@ -211,8 +214,9 @@ def _grow(
             break
         step = one_round(best, problem, seed + len(rounds), rule, rounds[-1])
         leader = _leader(step)
-        deeper = _floor(problem, leader, step.null, seed)
-        floor = deeper if deeper.floor < floor.floor else floor
+        deeper = _floor(problem, step.candidates, leader, step.null, seed)
+        least = min(floor.held_out, deeper.held_out)
+        floor = replace(deeper if deeper.floor < floor.floor else floor, held_out=least)
         if step.taken is None or not worth(step, floor):
             further = step
             break

@@ -7,7 +7,7 @@ what a model leaves, judged on stretches it has not seen. What it explains some 
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +21,7 @@ from er_model_lab.diagnosis.leftover_structure import bursts, filtered
 from er_model_lab.diagnosis.null import Null
 from er_model_lab.filtering import fading
 from er_model_lab.fitting.data_reach import within_learnt
+from er_model_lab.fitting.fit import mean_square
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.spectral_lines import LEAST, longest, share_of, spectrum, stands_out
@@ -200,6 +201,20 @@ def noise_floor(problem: Problem, best: Candidate, null: Null, seed: int) -> Flo
     n = problem.forward.outputs
     floors = tuple(problem.each(_floor_of, range(n), best, null, seed, stage="the noise floor"))
     return floors[0] if n == 1 else _together(floors, best.mse)
+
+
+def bounded(floor: Floor, tried: list[Candidate], problem: Problem) -> Floor:
+    """The floor on held-out data, which is no higher than what one of the models that were tried leaves of them.
+
+    Of several outputs it stays as it is.
+    """
+    if problem.forward.outputs > 1 or not tried:
+        return floor
+    scored = _scored(problem)
+    if scored.sum() < ENOUGH:
+        return floor
+    least = min(mean_square(c.fit.residual[scored]) for c in tried)
+    return replace(floor, held_out=min(floor.held_out, float(np.sqrt(least))))
 
 
 def _floor_of(output: int, problem: Problem, best: Candidate, null: Null, seed: int) -> Floor:

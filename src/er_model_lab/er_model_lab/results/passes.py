@@ -44,7 +44,12 @@ def told_together(
         whole["effects"] = _with(whole["effects"], more["effects"])
         whole["alternatives"] = _with(whole["alternatives"], more["alternatives"])
         whole["candidates"] = _candidates(whole["candidates"], more, whole["effects"])
+        low = whole["noise_floor"]
         whole |= {key: more[key] for key in OF_THE_LAST if key in more}
+        if not more.get(
+            "long"
+        ):  # of the same samples: no noise is louder than what an earlier model left
+            whole["noise_floor"] = min(low, whole["noise_floor"])
         whole |= left_after(whole, more)
     last = results[-1]
     whole["final_verdict"] = _final(last)
