@@ -35,6 +35,7 @@ PIP: Final = (
     "nptdms",
     "playwright",
     "pyarrow",
+    "python_calamine",
 )
 """Modules for which rosdep has no key."""
 

@@ -13,7 +13,7 @@ from er_models.errors import InputError
 from er_records.clean import clean
 from er_records.copies import used_once
 from er_records.provenance import fingerprint as fingerprint
-from er_records.readers import csv, mat, mf4, parquet, tdms
+from er_records.readers import csv, mat, mf4, parquet, sheet, tdms
 from er_records.readers.bag_files import METADATA, is_data
 from er_records.readers.names import Given, Names, names_file, names_of, parsed, read_names
 from er_records.readers.table import Table
@@ -39,6 +39,7 @@ def _by(table: Callable[[Path], Table]) -> Reader:
 TABLES: dict[str, Callable[[Path], Table]] = {
     ".csv": csv.table, ".tsv": csv.table, ".txt": csv.table, ".dat": csv.table, ".asc": csv.table, ".lvm": csv.table,
     ".parquet": parquet.table, ".mf4": mf4.table, ".mat": mat.table, ".tdms": tdms.table,
+    ".xlsx": sheet.table, ".xls": sheet.table, ".ods": sheet.table,
 }  # fmt: skip
 """Suffix to what reads the columns of a file."""
 READERS: dict[str, Reader] = {
@@ -47,8 +48,11 @@ READERS: dict[str, Reader] = {
     ".db3": _bag,
 }
 """Suffix to reader; a folder with metadata.yaml, .mcap or .db3 inside is a rosbag2 folder."""
-NOT_ALWAYS_DATA = (".txt", ".dat", ".asc")
-"""Suffixes that notes and licences have, too: in a folder, such files are looked into for a table."""
+NOT_ALWAYS_DATA: dict[str, Callable[[Path], bool]] = {
+    **dict.fromkeys((".txt", ".dat", ".asc"), csv.is_table),
+    **dict.fromkeys((".xlsx", ".xls", ".ods"), sheet.is_table),
+}
+"""Suffixes that notes, licences and lists of runs have, too, and what tells whether a file of a folder is data."""
 
 BAG_SUFFIXES = (".mcap", ".db3")
 
@@ -110,12 +114,17 @@ def _read_folder(folder: Path, names: Names | None) -> list[Record]:
     """Records of all readable files and recordings in a folder and its folders, sorted by name."""
     wanted = recordings(folder)
     if not wanted:
-        inside = ", ".join(
-            item.name + "/" * item.is_dir() for item in sorted(folder.iterdir())[:8]
-        )
+        inside = ", ".join(map(_seen, sorted(folder.iterdir())[:8]))
         expected = f"files ending in {', '.join(READERS)}, or a rosbag2 folder"
         raise InputError(folder, "", expected, inside or "an empty folder")
     return [record for item in wanted for record in _read_in(folder, item, names)]
+
+
+def _seen(item: Path) -> str:
+    """What an item of a folder is that nothing is read from."""
+    if item.is_dir():
+        return f"{item.name}/"
+    return f"{item.name} (no measurement)" if item.suffix.lower() in NOT_ALWAYS_DATA else item.name
 
 
 def recordings(path: Path) -> list[Path]:
@@ -163,7 +172,7 @@ def _data_in(folder: Path) -> Iterator[Path]:
 def _is_recording(file: Path) -> bool:
     """Whether a file of a folder is taken for a measurement by its suffix."""
     suffix = file.suffix.lower()
-    return suffix in READERS and (suffix not in NOT_ALWAYS_DATA or bool(csv.is_table(file)))
+    return suffix in READERS and (suffix not in NOT_ALWAYS_DATA or NOT_ALWAYS_DATA[suffix](file))
 
 
 def told_apart(records: list[Record]) -> list[Record]:

@@ -361,11 +361,11 @@ def test_a_line_cut_off_at_the_end_is_dropped_and_the_record_marked(tmp_path: Pa
 
 
 def test_paths_that_are_no_data_are_named(tmp_path: Path) -> None:
-    (tmp_path / "a.xlsx").write_text("x")
+    (tmp_path / "a.docx").write_text("x")
     for path, part in (
         (tmp_path / "none.csv", "nothing there"),
-        (tmp_path / "a.xlsx", "'.xlsx'"),
-        (tmp_path, "a.xlsx"),
+        (tmp_path / "a.docx", "'.docx'"),
+        (tmp_path, "a.docx"),
     ):
         with pytest.raises(InputError, match="expected") as caught:
             load([path])

@@ -27,7 +27,7 @@ Data = Annotated[
     list[Path],
     typer.Argument(
         metavar="DATA",
-        help="rosbag2 folder, .mcap, .csv, .parquet, .mf4, .mat, .tdms, or a folder of them.",
+        help="rosbag2 folder, .mcap, .csv, .parquet, .mf4, .mat, .tdms, .xlsx, or a folder of them.",
     ),
 ]
 ModelFile = Annotated[

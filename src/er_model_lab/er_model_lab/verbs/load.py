@@ -15,7 +15,7 @@ from er_records import load as records
 
 
 def load(*paths: str | Path, names: Given | Path | str | None = None) -> Dataset:
-    """The records of files and folders: rosbag2 recordings, .csv, .parquet, .mf4, .mat, .tdms; checked and repaired.
+    """Records of files and folders: rosbag2 recordings, .csv, .parquet, .mf4, .mat, .tdms, .xlsx; checked and repaired.
 
     What was repaired, derived or left out stands in the notes of each record. names: what the files' own columns are,
     such as `{"duty": {"from": "Strom [A]", "full_scale": 1.6}}`, or a YAML file that says so; else the `names.yaml` of

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -88,6 +88,32 @@ def table(path: Path) -> Table:
     rows, complete = _without_cut_line(text, data)
     if not complete:
         notes.append("the last line is cut off and was dropped")
+    said = next(iter(comments), "")
+    return _table(
+        path, replace(text, rows=rows), digest_bytes(data), notes, said, complete=complete
+    )
+
+
+def table_of(path: Path, lines: list[str], digest: str, notes: Sequence[str]) -> Table:
+    """The columns of lines of text that some other file held, cells between tabs.
+
+    Raises:
+        InputError: Where it is read, a cell that is no number.
+    """
+    return _table(path, _parted(lines), digest, list(notes))
+
+
+def _table(
+    path: Path,
+    text: _Text,
+    digest: str,
+    notes: list[str],
+    said: str = "",
+    *,
+    complete: bool = True,
+) -> Table:
+    """A table as text, whose numbers are read where they are asked for; said: its provenance."""
+    rows = text.rows
 
     def numbers(columns: Sequence[Column]) -> Numbers:
         clocks = [c for c in columns if _CLOCK.search(_cell(rows, text.delimiter, c.index))]
@@ -102,9 +128,7 @@ def table(path: Path) -> Table:
 
     if not text.named:
         notes.insert(0, f"no column names: {rows[0][:60]}")
-    return Table(
-        path, text.header, numbers, digest_bytes(data), complete, next(iter(comments), ""), None, tuple(notes)
-    )  # fmt: skip
+    return Table(path, text.header, numbers, digest, complete, said, None, tuple(notes))
 
 
 def _cell(rows: list[str], delimiter: str, index: int) -> str:
