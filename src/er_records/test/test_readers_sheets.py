@@ -14,6 +14,7 @@ pytest.importorskip("python_calamine")
 from er_models.errors import InputError
 from er_records.load import load
 from er_records.mapping.mapping import mapped
+from er_records.readers import sheet
 from er_records.readers.sheet import _text
 
 N, DT = 600, 0.005
@@ -121,6 +122,15 @@ def test_a_damaged_book_is_one_line(tmp_path: Path, content: bytes) -> None:
     book(tmp_path / "empty.xlsx", {"Tabelle1": []})
     with pytest.raises(InputError, match="a sheet with rows of numbers, found none in Tabelle1"):
         load([tmp_path / "empty.xlsx"])
+
+
+def test_a_book_that_unpacks_to_too_much_is_not_opened(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = book(tmp_path / "run.xlsx", {"Daten": measured()})
+    monkeypatch.setattr(sheet, "LARGEST", 10_000)
+    with pytest.raises(InputError, match="a spreadsheet of at most"):
+        load([path])
 
 
 def test_times_are_written_as_a_text_table_has_them() -> None:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from datetime import datetime, time, timedelta
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile, is_zipfile
 
 from er_common.extras import extra
 from er_models.errors import ErError, InputError
@@ -18,6 +19,8 @@ Rows = list[list[Any]]
 MIDNIGHT = datetime(1970, 1, 1)
 FEW = 200
 """Rows of numbers from which on a spreadsheet in a folder is a measurement, and no list of runs."""
+LARGEST = 1 << 31
+"""Bytes that a book may unpack to."""
 OPENED = "~$"
 """How the name begins of what Excel keeps beside a file that is open."""
 
@@ -59,6 +62,11 @@ def _sheets(path: Path) -> Mapping[str, Rows]:
     """Cells of each sheet by its name."""
     with extra("er_records[sheets]", f"{path}: a spreadsheet"):
         from python_calamine import CalamineWorkbook
+    unpacked = sum(part.file_size for part in ZipFile(path).infolist()) if is_zipfile(path) else 0
+    if unpacked > LARGEST:
+        raise InputError(
+            path, "", f"a spreadsheet of at most {LARGEST >> 30} GB", f"{unpacked >> 30} GB"
+        )
     try:
         book = CalamineWorkbook.from_path(str(path))
         return {name: book.get_sheet_by_name(name).to_python() for name in book.sheet_names}
