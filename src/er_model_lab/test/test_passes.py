@@ -148,12 +148,19 @@ def test_a_tie_of_a_later_pass_stays():
 def test_as_many_effects_as_a_search_names_are_no_cause_where_more_than_noise_is_left():
     later = found(["cavitation", "freeplay"], "missing_effect", rmse=1.0)
     assert told([FIRST, later])["verdict"] == "partial"
-    quiet, loud = [FIRST, later | {"noise_floor": 0.99}], {"noise_floor": 0.99}
-    assert told([each | loud for each in quiet])["verdict"] == "missing_effect"
-    assert told(quiet)["noise_floor"] == FIRST["noise_floor"], (
-        "no noise is louder than what an earlier pass left"
-    )
+    assert told([FIRST, later | {"noise_floor": 0.99}])["verdict"] == "missing_effect"
     assert told([FIRST, found(["cavitation"], "missing_effect")])["verdict"] == ("missing_effect")
+
+
+def test_no_noise_is_louder_than_what_a_model_of_an_earlier_pass_left():
+    first, *others = FIRST["candidates"]
+    seen = FIRST | {"candidates": [first | {"rmse_held_out": 0.4}, *others]}
+    later = found(["freeplay"], "missing_effect", rmse=1.0)
+    assert told([seen, later])["noise_floor"] == 0.4
+    assert told([seen | {"noise_floor": 0.1}, later])["noise_floor"] == 0.4, (
+        "the floor is that of the last model"
+    )
+    assert told([seen, later | {"long": {"rmse": {}}}])["noise_floor"] == 0.5, "of other samples"
 
 
 def test_cards_of_what_a_later_pass_took_come_after_those_of_the_first():

@@ -214,9 +214,9 @@ def _grow(
             break
         step = one_round(best, problem, seed + len(rounds), rule, rounds[-1])
         leader = _leader(step)
-        deeper = _floor(problem, step.candidates, leader, step.null, seed)
-        least = min(floor.held_out, deeper.held_out)
-        floor = replace(deeper if deeper.floor < floor.floor else floor, held_out=least)
+        tried = [c for each in (*rounds, step) for c in each.candidates]
+        deeper = _floor(problem, tried, leader, step.null, seed)
+        floor = deeper if deeper.floor < floor.floor else bounded(floor, tried, problem)
         if step.taken is None or not worth(step, floor):
             further = step
             break

@@ -44,12 +44,9 @@ def told_together(
         whole["effects"] = _with(whole["effects"], more["effects"])
         whole["alternatives"] = _with(whole["alternatives"], more["alternatives"])
         whole["candidates"] = _candidates(whole["candidates"], more, whole["effects"])
-        low = whole["noise_floor"]
         whole |= {key: more[key] for key in OF_THE_LAST if key in more}
-        if not more.get(
-            "long"
-        ):  # of the same samples: no noise is louder than what an earlier model left
-            whole["noise_floor"] = min(low, whole["noise_floor"])
+        if not more.get("long"):
+            whole["noise_floor"] = min([whole["noise_floor"], *_left_by(whole["candidates"])])
         whole |= left_after(whole, more)
     last = results[-1]
     whole["final_verdict"] = _final(last)
@@ -66,6 +63,12 @@ def told_together(
             whole["verdict"] = more["verdict"]
             whole["reasons"] = _with(whole["reasons"], more["reasons"])
     return whole
+
+
+def _left_by(candidates: Sequence[Result]) -> list[float]:
+    """What models that were tried left of the same held-out data [N]: no noise is louder."""
+    stated = (c.get("rmse_held_out") for c in candidates)
+    return [float(each) for each in stated if each is not None]
 
 
 def of_the_last(notes: Sequence[str], last: Sequence[str]) -> list[str]:
