@@ -37,6 +37,21 @@ def test_what_is_written_is_read_again(name, field, made, tmp_path):
         assert written.scales.duty == given.scales.duty
 
 
+def test_what_is_per_duty_is_neutral_where_a_search_without_a_field_left_a_start_that_no_duty_allows(
+    made,
+):
+    """Of data without a duty its scale is a thousandth: a start of 0.2 forces per duty was 9 kN per duty of 44 N."""
+    model, problem = made
+    values = {"F_h": 5.0, "F_u": 200.0 * problem.scales.force, "z_y": 2e-4, "b": 1e-4}
+    grown = model.with_effect("friction_with_play", values)
+    written = in_bounds(grown, off(problem), model.scales)
+    assert written.value("friction_with_play", "F_u") == 0.0
+    assert written.value("friction_with_play", "F_h") == 5.0
+    assert written.effects["guo_yield"] == model.effects["guo_yield"], "which a model brought"
+    with pytest.raises(InputError, match="F_u"):
+        in_bounds(grown, problem, model.scales)
+
+
 def test_a_value_beyond_every_bound_is_named_with_what_is_allowed(made):
     model, problem = made
     late = model.with_effect("velocity_lag", {"T_v": 0.07})

@@ -50,6 +50,7 @@ def in_bounds(model: Model, problem: Problem, given: Scales) -> Model:
     data = problem.scales
     if float(problem.motion.u.max()) <= NO_DUTY:
         data = replace(data, duty=given.duty)
+        model = _without_field(model, data, given)
     sizes = tuple(zip(astuple(data), astuple(given), strict=True))
     for choice in sorted(product((0, 1), repeat=len(sizes)), key=sum):
         scaled = replace(model, scales=Scales(*(s[k] for s, k in zip(sizes, choice, strict=True))))
@@ -62,6 +63,20 @@ def in_bounds(model: Model, problem: Problem, given: Scales) -> Model:
     unit = scaled.catalogue[effect].parameter(name).unit
     expected, found = f"{low:.4g} to {high:.4g} {unit}", f"{scaled.value(effect, name):.6g}"
     raise InputError(model.name, f"effects.{effect}.{name}", expected, found)
+
+
+def _without_field(model: Model, *scales: Scales) -> Model:
+    """The model with neutral values per duty where a search left a start that none of the scales allows.
+
+    Without a field no force feels them.
+    """
+    for effect, values in model.effects.items():
+        for q in model.catalogue[effect].parameters:
+            ends = [(q.low * s.of(q.unit), q.high * s.of(q.unit)) for s in scales]
+            allowed = any(low <= values[q.name] <= high for low, high in ends)
+            if "/duty" in q.unit and q.neutral is not None and not allowed:
+                model = model.with_effect(effect, {**model.effects[effect], q.name: q.neutral})
+    return model
 
 
 def _outside(model: Model) -> tuple[str, str] | None:
