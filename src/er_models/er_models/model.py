@@ -97,9 +97,9 @@ class Model:
             UnknownName: No such effect, or a parameter that it does not have.
         """
         effect = self.catalogue[name]
-        known = tuple(q.name for q in effect.parameters)
-        for other in values.keys() - set(known) if values else ():
-            raise UnknownName("parameter", other, known)
+        for other in values or ():
+            if other not in effect.names:
+                raise UnknownName("parameter", other, effect.names)
         given = {**effect.unsaid, **values} if values else {}
         full = {
             q.name: float(given.get(q.name, self.start(name, q.name))) for q in effect.parameters
