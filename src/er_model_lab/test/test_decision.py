@@ -27,6 +27,7 @@ from er_model_lab.diagnosis.search import (
     Round,
     beyond_motion,
     block_gains,
+    complexity,
     decided,
     nested,
     paired_t,
@@ -132,6 +133,7 @@ def _alone(monkeypatch, loose=()):
     monkeypatch.setattr(search, "tied", lambda base, able, problem, limit: able[:1])
     monkeypatch.setattr(search, "loose", lambda candidate, problem: loose)
     monkeypatch.setattr(search, "strange", lambda candidate: False)
+    monkeypatch.setattr(search, "stands_in", lambda *_: False)
 
 
 def test_small_steps_take_no_effect_whose_values_the_data_do_not_determine(monkeypatch):
@@ -601,8 +603,15 @@ def test_three_effects_that_leave_more_than_noise_may_stand_for_another(friction
 
 
 @pytest.mark.parametrize("ties", [["shear_thinning", "coulomb_friction"], ["shear_thinning"]])
-def test_a_tie_or_a_lead_counts_beside_everything_else_that_is_missing(ties):
+def test_a_tie_or_a_lead_counts_beside_everything_else_that_is_missing(ties, monkeypatch):
     """Beside another missing effect the friction was taken for a thinning; in the whole model it no longer is."""
+    weighed = list[set[str]]()
+
+    def spied(base, able, *rest):
+        weighed.append({c.name for c in able})
+        return tied(base, able, *rest)
+
+    monkeypatch.setattr(search, "tied", spied)
     model, problem = problem_of("coulomb_friction", {"F_c": 0.5, "v_0": 0.003}, seed=3)
     drag = 0.05 * problem.scales.force * problem.motion.x / problem.scales.deflection
     problem = replace(problem, force=problem.force + drag * problem.motion.u / 0.3)
@@ -617,6 +626,20 @@ def test_a_tie_or_a_lead_counts_beside_everything_else_that_is_missing(ties):
     assert best.effects == ("coulomb_friction", "field_stiffness")
     assert best.mse < both.mse
     assert ties == ()
+    # each is weighed by what is exchanged, though that was not added last
+    assert weighed[0] == {*names}
+
+
+def test_a_strength_at_a_bound_counts_as_one_in_use_unless_it_does_nothing():
+    """A zero of the deflection at its bound had passed for an effect without a parameter, the simplest of all."""
+    model, problem = problem_of(None, {}, seconds=8.0)
+    most = model.with_effect("deflection_zero").bounds("deflection_zero", "x_0")[1]
+    for x_0, used in ((0.0, 0), (most, 1)):
+        grown = model.with_effect("deflection_zero", {"x_0": x_0})
+        fitted = fit(grown, problem, max_iter=0)
+        at_bound = np.array([place[0] == "deflection_zero" for place in fitted.free])
+        found = cross_judged(("deflection_zero",), replace(fitted, at_bound=at_bound), problem)
+        assert complexity(found, problem) == (used, 0)
 
 
 def test_a_partner_of_a_pair_is_exchanged_for_what_pairs_were_tried_of():

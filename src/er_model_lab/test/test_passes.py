@@ -42,9 +42,9 @@ def found(effects, verdict="partial", candidates=(), rmse=1.0, alternatives=()):
     }
 
 
-def told(results):
+def told(results, dropped=None):
     """Passes as one, the last of which had the evidence for its verdict."""
-    return told_together(results, EVIDENCE[results[-1]["verdict"]])
+    return told_together(results, EVIDENCE[results[-1]["verdict"]], dropped=dropped)
 
 
 FIRST = found(
@@ -66,6 +66,18 @@ def test_what_a_later_pass_took_is_told_as_that_pass_saw_it():
     assert (whole["verdict"], whole["final_verdict"]) == ("missing_effect", "adequate")
     assert whole["reasons"] == ["reason of partial", "reason of missing_effect"]
     assert FIRST["effects"] == ["preload"]
+
+
+@pytest.mark.parametrize(
+    ("come", "better"), [(["cavitation"], ["cavitation"]), ([], ["freeplay"])]
+)
+def test_what_was_taken_and_went_again_is_told_as_absent(come, better):
+    later = found(["freeplay"], candidates={"freeplay": ("present", 3.0)})
+    whole = told([FIRST, later], dropped={"preload": come})
+    assert whole["effects"] == ["freeplay"]
+    (gone,) = (c for c in whole["candidates"] if c["effect"] == "preload")
+    assert (gone["status"], gone["explained_by"]) == ("absent", better)
+    assert FIRST["candidates"][0]["status"] == "present"
 
 
 def test_one_pass_is_told_as_it_is():
@@ -529,7 +541,7 @@ def test_what_became_needless_is_taken_out_unless_held_out_data_ask_for_it(
     monkeypatch, after, dropped
 ):
     made, added = pruned(monkeypatch, after)
-    assert made.dropped == dropped
+    assert tuple(made.dropped) == dropped
     assert sorted(added) == sorted({"force_delay", "force_lag", "velocity_lag"} - {*dropped})
     assert ("force_lag taken out again" in " ".join(made.notes)) == bool(dropped)
 

@@ -239,8 +239,20 @@ def _on_part(whole: Candidate, few: Practice) -> Candidate:
 
 
 def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit:
-    """A fit to stretches, fitted further to all runs; base: the model on all runs before it grew."""
-    return fit(begun.model, problem, known=base.fit.jacobian, max_iter=max_iter)
+    """A fit to stretches, fitted further to all runs; base: the model on all runs before it grew.
+
+    It begins as the stretches have it, or with their values of the effect alone beside the base, where that leaves less
+    of all runs: what else the stretches moved may fit them only.
+    """
+    beside = base.fit.model
+    for name in begun.model.effects.keys() - beside.effects.keys():
+        beside = beside.with_effect(name, begun.model.effects[name])
+    left = [
+        mean_square((problem.force - problem.predict(m))[problem.train])
+        for m in (begun.model, beside)
+    ]
+    start = beside if left[1] < left[0] else begun.model
+    return fit(start, problem, known=base.fit.jacobian, max_iter=max_iter)
 
 
 def _fitted_with(

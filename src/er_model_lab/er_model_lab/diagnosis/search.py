@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from er_models.model import Array
+from er_models.model import Array, Model
 
 from er_model_lab.diagnosis.candidates import (
     Candidate,
@@ -23,6 +23,7 @@ from er_model_lab.diagnosis.candidates import (
 )
 from er_model_lab.diagnosis.determined import far, loose, strange, unseen
 from er_model_lab.diagnosis.null import Null, simulate_null
+from er_model_lab.diagnosis.refinements import stands_in
 from er_model_lab.diagnosis.rule import BAND, RULE, Rule
 from er_model_lab.fitting.fit import mean_square, standard_deviations
 from er_model_lab.problem.problem import Problem
@@ -63,6 +64,8 @@ NOTED = 1.15
 PARTS, UNDERRATED = 10, 4.0
 """Parts of the samples, by what the errors of the motion cause there, in which a gain must exceed it, and how much more
 in mean square these errors may cause than the fusion says."""
+NOTHING = 1e-6
+"""Share of the way between its bounds up to which a strength is nothing."""
 NESTED, SAME = 1e-2, 1e-4
 """Mean square of the difference of two forces, over what is left, below which they are nearly, and wholly, the same."""
 
@@ -176,11 +179,16 @@ def paired_t(gains: Array) -> float:
 def complexity(candidate: Candidate, problem: Problem) -> tuple[int, int]:
     """Parameters in use, and whether it is physics (1) or a sensor (0): fewer and sensor first.
 
-    A refinement is in use where the data say that it is not neutral.
+    A refinement is in use where the data say that it is not neutral; a strength at a bound where that is not doing
+    nothing.
     """
     model, fitted = candidate.fit.model, candidate.fit
     free = [(k, *place) for k, place in enumerate(fitted.free) if place[0] in candidate.effects]
-    used = [(k, model.catalogue[e].parameter(p), e) for k, e, p in free if not fitted.at_bound[k]]
+    used = [
+        (k, model.catalogue[e].parameter(p), e)
+        for k, e, p in free
+        if acts(model, e, p, bool(fitted.at_bound[k]))
+    ]
     if any(q.optional for _, q, _ in used):
         sd = standard_deviations(fitted, problem)
         used = [
@@ -191,6 +199,15 @@ def complexity(candidate: Candidate, problem: Problem) -> tuple[int, int]:
     return len(used), 0 if model.catalogue[candidate.name].stage == "sensing" else 1
 
 
+def acts(model: Model, effect: str, name: str, at_bound: bool) -> bool:
+    """Whether a parameter counts as one in use: it is free, or a strength at a bound that is not doing nothing."""
+    q = model.catalogue[effect].parameter(name)
+    if not at_bound or q.optional or q.neutral is None:
+        return not at_bound
+    low, high = model.bounds(effect, name)
+    return abs(model.value(effect, name) - q.neutral) > NOTHING * (high - low)
+
+
 def tied(
     base: Candidate, candidates: list[Candidate], problem: Problem, limit: float
 ) -> list[Candidate]:
@@ -198,7 +215,7 @@ def tied(
 
     A law of the duty comes last where the duty never changes, before it what held-out data refuse. Those whose values
     the data determine come first, then those that are not plainly worse, those that are not far from doing nothing,
-    those that leave little more than the best, and the simplest.
+    those that leave little more than the best, and the simplest: with the fewest parameters in use, and at all.
 
     A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within `SURE`
     and too small to count as an effect of its own. A difference that would count, in several blocks and nowhere the
@@ -240,6 +257,7 @@ def tied(
             behind(c) > FAR_BEYOND * limit,
             *complexity(c, problem),
             disguised(c, near, problem),
+            len(c.fit.model.catalogue[c.name].parameters),
         ),
     )
 
@@ -346,10 +364,16 @@ def decided(
         candidates = [finished(c, problem) if c is taken else c for c in candidates]
         return decided(base, sorted(candidates, key=lambda c: c.left), null, problem, rule)
     if rule.small_steps and taken.name in loose(taken, problem):
-        other = replace(rule, barred=rule.barred | {taken.name})
-        return decided(base, candidates, null, problem, other)
+        return decided(base, candidates, null, problem, _without(taken, rule))
+    if stands_in(base, taken, able, problem, limit):
+        return decided(base, candidates, null, problem, _without(taken, rule))
     ties = [c.name for c in group if c is taken or rivals(taken, c, problem)]
     return Round(base, candidates, null, limit, taken, ties)
+
+
+def _without(candidate: Candidate, rule: Rule) -> Rule:
+    """The rule by which a candidate's effect is not taken."""
+    return replace(rule, barred=rule.barred | {candidate.name})
 
 
 def promising(best: Candidate, step: Round, problem: Problem) -> bool:
@@ -426,15 +450,33 @@ def swapped(
             continue
         place, rest = best.effects.index(name), roughly_without(name, problem, best)
         target = best.left + (FAR_BEYOND * step.threshold) ** 2
-        trials = problem.each(exchanged, others, rest, place, target, stage="exchanging effects")
-        trials = [c for c in trials if not rises(best, c, problem)]
-        alike = tied(rest, sorted([best, *trials], key=lambda c: c.left), problem, step.threshold)
-        best = finished(alike[0], problem) if alike[0].ranked else alike[0]
-        alike[0] = best
-        groups.append(
-            tuple(c.effects[place] for c in alike if c is best or rivals(best, c, problem))
+        again, *trials = problem.each(
+            exchanged, [name, *others], rest, place, target, stage="exchanging effects"
         )
+        # what others gain by another way there is no merit of theirs
+        best = min(best, again, key=lambda c: c.left)
+        trials = [c for c in trials if not rises(best, c, problem)]
+        able = [_with_last(c, place) for c in sorted([best, *trials], key=lambda c: c.left)]
+        alike = tied(rest, able, problem, step.threshold)
+        alike[0] = finished(alike[0], problem) if alike[0].ranked else alike[0]
+        groups.append(
+            tuple(c.name for c in alike if c is alike[0] or rivals(alike[0], c, problem))
+        )
+        best = _back_at(alike[0], place)
     return best, tuple(g for g in groups if len(g) > 1)
+
+
+def _with_last(candidate: Candidate, place: int) -> Candidate:
+    """A candidate that tells of the effect at a place as if it had been added last: that one is weighed."""
+    own, rest = candidate.effects[place], list(candidate.effects)
+    del rest[place]
+    return replace(candidate, effects=(*rest, own))
+
+
+def _back_at(candidate: Candidate, place: int) -> Candidate:
+    """The same with the last effect at its place."""
+    *rest, own = candidate.effects
+    return replace(candidate, effects=(*rest[:place], own, *rest[place:]))
 
 
 def taken_in(rounds: Iterable[Round]) -> dict[str, Round]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -32,11 +32,15 @@ OF_RECORDS, OF_CHANNELS = ("rmse_after", "rmse_left_out"), ("rmse_after", "noise
 
 
 def told_together(
-    results: Sequence[Result], seen: Evidence, rule: Rule = RULE, dropped: Sequence[str] = ()
+    results: Sequence[Result],
+    seen: Evidence,
+    rule: Rule = RULE,
+    dropped: Mapping[str, Sequence[str]] | None = None,
 ) -> Result:
     """The contract's JSON of all passes: candidates as the first saw them, `spoken_of` by a later one as that did.
 
-    seen: evidence of the last pass; dropped: effects that were taken and are needless beside the others.
+    seen: evidence of the last pass; dropped: effects that were taken and are needless beside the others, each
+    with what came in its place.
     """
     whole = dict(results[0])
     for more in results[1:]:
@@ -48,10 +52,14 @@ def told_together(
         if not more.get("long"):
             whole["noise_floor"] = min([whole["noise_floor"], *_left_by(whole["candidates"])])
         whole |= left_after(whole, more)
-    last = results[-1]
+    last, dropped = results[-1], dropped or {}
     whole["final_verdict"] = _final(last)
     whole["effects"] = [e for e in whole["effects"] if e not in dropped]
     whole["alternatives"] = [g for g in whole["alternatives"] if not set(g) & set(dropped)]
+    whole["candidates"] = [
+        _gone(e, dropped[e["effect"]] or whole["effects"]) if e["effect"] in dropped else e
+        for e in whole["candidates"]
+    ]
     if len(results) > 1 and results[0]["verdict"] == "partial":
         earlier = Earlier(tied=bool(whole["alternatives"]), too_many=too_many(whole))
         whole["verdict"] = decide(replace(seen, earlier=earlier), rule)
@@ -63,6 +71,11 @@ def told_together(
             whole["verdict"] = more["verdict"]
             whole["reasons"] = _with(whole["reasons"], more["reasons"])
     return whole
+
+
+def _gone(entry: Result, better: Sequence[str]) -> Result:
+    """The entry of an effect that was taken and is needless beside others."""
+    return entry | {"status": "absent", "confounded_with": [], "explained_by": list(better)}
 
 
 def _left_by(candidates: Sequence[Result]) -> list[float]:

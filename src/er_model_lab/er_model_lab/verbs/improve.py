@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from er_records.dataset import Dataset
 
 from er_model_lab.blas import on_one_thread
 from er_model_lab.diagnosis.candidates import Candidate
+from er_model_lab.diagnosis.decisive_round import beside
 from er_model_lab.diagnosis.exchange import Exchange, exchanged_late
 from er_model_lab.diagnosis.floor_estimates import AGREE
 from er_model_lab.diagnosis.found import Diagnosis
@@ -121,8 +122,8 @@ class _Passes:
     """Studies one after another, the model that they made, whether Ctrl-C ended them, and what else there is to say.
 
     last: the study that made the model, and the model before it; None where none did, or where the model holds its
-    estimates already. dropped: effects that were added and are not needed beside those added later; terms: what was
-    learnt at last, each with its study and the size it had to exceed [N].
+    estimates already. dropped: effects that were added and are not needed beside those added later, each with what came
+    in its place; terms: what was learnt at last, each with its study and the size it had to exceed [N].
     """
 
     studies: list[Study]
@@ -130,7 +131,7 @@ class _Passes:
     last: tuple[Study, Model] | None = None
     stopped: bool = False
     notes: tuple[str, ...] = ()
-    dropped: tuple[str, ...] = ()
+    dropped: Mapping[str, Sequence[str]] = field(default_factory=dict)
     terms: tuple[tuple[Learnt, Study, float], ...] = ()
 
 
@@ -261,13 +262,16 @@ def _together(made: _Passes, asked: Question, start: Begun, name: str) -> _Passe
         return replace(made, stopped=True)
     if rise(problem, found.best, kept, BAND):
         kept = other
-    dropped = tuple(e for e in able if e not in kept.effects)
-    if not dropped:
+    gone = [e for e in able if e not in kept.effects]
+    if not gone:
         return made
+    dropped = {e: [come for name, come in exchanges if name == e] for e in gone}
     kept = replace(kept, fit=restored(kept.fit, found.best.fit.model))
     come = tuple(e for e in kept.effects if e not in able)
     own = (*(e for e in found.effects if e in kept.effects), *come)
     left = replace(found, best=replace(kept, effects=own), effects=own)
+    if come:
+        left = replace(left, beside=beside(left, problem))
     study = replace(last, diagnosis=left)
     grown = (study, made.model)
     return replace(
