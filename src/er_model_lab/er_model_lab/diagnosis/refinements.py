@@ -5,9 +5,10 @@ A friction that grips harder one way passes for a preload: as long as that is mi
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
+from er_models.model import Model
 
 from er_model_lab.diagnosis.candidates import FINALISTS, Candidate, cross_judged, effect_size
 from er_model_lab.fitting.fit import FIRST_ITERATIONS, fit, standard_deviations
@@ -15,6 +16,10 @@ from er_model_lab.problem.problem import Problem
 
 CERTAIN = 2.0
 """Standard deviations by which a refinement differs from doing nothing where it is in use."""
+NOTHING = 1e-6
+"""Share of the way between its bounds up to which a value does nothing."""
+MORE = 0.8
+"""Share of its use without an effect that a refinement has beside it, below which it does that effect's work."""
 Place = tuple[str, str]
 """An effect, and one of its parameters."""
 Other = tuple[str, Mapping[str, float]]
@@ -36,19 +41,50 @@ def stands_in(
     return any(effect_size(taken, c) > limit for c in trials)
 
 
-def refined(candidate: Candidate, problem: Problem) -> list[Place]:
-    """Refinements of a candidate's effect that are in use."""
+def makes_up(kept: Candidate, without: Candidate, problem: Problem, limit: float) -> bool:
+    """Whether a refinement alone makes up for an effect of one parameter that was taken out of a model.
+
+    It does more than it did beside that effect, and with the effect in its place the model leaves no more, by more than
+    the limit [N].
+    """
+    model = kept.fit.model
+    (gone,) = {*kept.effects} - {*without.effects}
+    if len(model.catalogue[gone].parameters) > 1:
+        return False
+    used = refined(without, problem, without.fit.model.effects)
+    places = [q for q in used if _use(kept, q) < MORE * _use(without, q)]
+    trades = [((gone, model.effects[gone]), place) for place in places]
+    trials = problem.each(_traded, trades, without) if trades else []
+    return any(effect_size(c, without) <= limit for c in trials)
+
+
+def refined(
+    candidate: Candidate, problem: Problem, names: Collection[str] | None = None
+) -> list[Place]:
+    """Refinements that are in use, of some effects of a candidate, or of the one that was added last."""
     fitted, model = candidate.fit, candidate.fit.model
-    effect, found = model.catalogue[candidate.name], list[Place]()
-    if not any(q.optional for q in effect.parameters):
+    names, found = names or [candidate.name], list[Place]()
+    form = [e in names and model.catalogue[e].parameter(q).optional for e, q in fitted.free]
+    if not any(form):
         return found
-    for place, sd in zip(fitted.free, standard_deviations(fitted, problem), strict=True):
-        if place[0] != effect.name or not effect.parameter(place[1]).optional:
-            continue
-        away = abs(model.value(*place) - (effect.parameter(place[1]).neutral or 0.0))
-        if away > (CERTAIN * sd if np.isfinite(sd) else 0.0):
+    deviations = standard_deviations(fitted, problem)
+    for place, own, sd in zip(fitted.free, form, deviations, strict=True):
+        low, high = model.bounds(*place)
+        least = CERTAIN * sd if np.isfinite(sd) else NOTHING * (high - low)
+        if own and _use(candidate, place) > least:
             found.append(place)
     return found
+
+
+def _use(candidate: Candidate, place: Place) -> float:
+    """How far a refinement of a candidate is from doing nothing."""
+    model = candidate.fit.model
+    return abs(model.value(*place) - _neutral(model, place))
+
+
+def _neutral(model: Model, place: Place) -> float:
+    """The value of a refinement that does nothing."""
+    return model.catalogue[place[0]].parameter(place[1]).neutral or 0.0
 
 
 def own_values(candidate: Candidate) -> Other:
@@ -60,9 +96,8 @@ def _traded(trade: tuple[Other, Place], problem: Problem, taken: Candidate) -> C
     """A candidate with a refinement that does nothing, and another effect beside; refitted."""
     (other, values), (name, refinement) = trade
     model = taken.fit.model
-    neutral = model.catalogue[name].parameter(refinement).neutral or 0.0
-    idle = model.with_effect(name, {**model.effects[name], refinement: neutral})
-    grown = idle.with_effect(other, values)
+    idle = {**model.effects[name], refinement: _neutral(model, (name, refinement))}
+    grown = model.with_effect(name, idle).with_effect(other, values)
     free = tuple(f for f in problem.forward.free(grown) if f != (name, refinement))
     found = fit(grown, problem, free, max_iter=FIRST_ITERATIONS)
     return cross_judged((*taken.effects, other), found, problem)

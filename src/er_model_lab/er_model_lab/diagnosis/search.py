@@ -23,7 +23,7 @@ from er_model_lab.diagnosis.candidates import (
 )
 from er_model_lab.diagnosis.determined import far, loose, strange, unseen
 from er_model_lab.diagnosis.null import Null, simulate_null
-from er_model_lab.diagnosis.refinements import stands_in
+from er_model_lab.diagnosis.refinements import NOTHING, makes_up, stands_in
 from er_model_lab.diagnosis.rule import BAND, RULE, Rule
 from er_model_lab.fitting.fit import mean_square, standard_deviations
 from er_model_lab.problem.problem import Problem
@@ -64,8 +64,6 @@ NOTED = 1.15
 PARTS, UNDERRATED = 10, 4.0
 """Parts of the samples, by what the errors of the motion cause there, in which a gain must exceed it, and how much more
 in mean square these errors may cause than the fusion says."""
-NOTHING = 1e-6
-"""Share of the way between its bounds up to which a strength is nothing."""
 NESTED, SAME = 1e-2, 1e-4
 """Mean square of the difference of two forces, over what is left, below which they are nearly, and wholly, the same."""
 
@@ -527,7 +525,7 @@ def exchanged(
 def prune(candidate: Candidate, problem: Problem, limit: float) -> Candidate:
     """Take out every added effect that is no longer needed, weakest first.
 
-    Of many runs stretches say which ones are worth a look on all.
+    One for which a refinement alone makes up stays. Of many runs stretches say which ones are worth a look on all.
     """
     current, few = candidate, problem.practice
     while len(current.effects) > 1:
@@ -539,8 +537,9 @@ def prune(candidate: Candidate, problem: Problem, limit: float) -> Candidate:
         if few:
             near = [c for c in trials if effect_size(c, current) <= PLAINLY * limit]
             trials = problem.each(to_the_end, range(len(near)), near, stage=LEAVING_OUT)
-        easiest = min(trials, key=lambda c: c.mse, default=None)
-        if easiest is None or effect_size(easiest, current) > limit:
+        able = sorted((c for c in trials if effect_size(c, current) <= limit), key=lambda c: c.mse)
+        easiest = next((c for c in able if not makes_up(current, c, problem, limit)), None)
+        if easiest is None:
             return current
         current = easiest
     return current
