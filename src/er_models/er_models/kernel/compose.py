@@ -22,7 +22,7 @@ from er_models.catalogue import Catalogue
 from er_models.effect import INSTANT, Effect, arguments
 from er_models.kernel.inline import inlined
 from er_models.kernel.layout import CAUGHT, HEAT, SLIDES, ZERO
-from er_models.kernel.mask import FIELD, LAG, TERMS, of_hook, of_run, stands_alone
+from er_models.kernel.mask import FIELD, LAG, TERMS, TURN, of_hook, of_run, stands_alone
 from er_models.kernel.order import relaxes_at
 
 OF_FIELD = {"y": "u", "f_y": "u_f", "tau_scale": "u_f_scale"}
@@ -157,23 +157,39 @@ def _damper(catalogue: Catalogue) -> list[str]:
     body += [f"    k_0 = p[{passive}]", f"    c_0 = p[{passive + 1}]", f"    f_y = s[W, {slot}]"]
     body += [f"    f_r = s[W, {catalogue.rest}]"]
     body += ["    yield_scale = 1.0", "    viscous_scale = 1.0", "    stiffness_scale = 1.0"]
-    body += ["    tau_scale = 1.0", "    tau_y = 0.0", "    y = 0.0"]
+    body += ["    y = 0.0"]
     body += _early(catalogue)
     body += _yield(catalogue)
-    response = ["    " + line for line in _relax(catalogue, catalogue["response"])]
-    body += _run(catalogue, LAG, response, [f"    s[W, {slot}] = y"])
-    body += [f"    f_y = s[W, {slot}]", "    f_d = f_y", "    u_f = u", *_act(catalogue)]
+    body += _response(catalogue)
+    body += ["    f_d = f_y", "    u_f = u", *_act(catalogue)]
     return [*body, *_end(catalogue), "    return f_d, f_m, u"]
 
 
 def _field(catalogue: Catalogue) -> list[str]:
     """The duty whose chains have formed: the lag of the yield force once more, on the duty."""
     slot = catalogue.formed
-    lines = [f"    u_f = s[W, {slot}]", "    u_f_scale = 1.0"]
+    lines = ["    u_f_scale = 1.0", *_foreseen(catalogue, slot, "u_f", "u")]
     lines += _lines(catalogue, "tau_scale", "u_f_scale *= {call}", OF_FIELD)
     lag = _relax(catalogue, catalogue["response"], slot, OF_FIELD)
     lines += [*("    " + line for line in lag), f"    u_f = s[W, {slot}]"]
     return _run(catalogue, FIELD, lines)
+
+
+def _foreseen(catalogue: Catalogue, slot: int, signal: str, goal: str) -> list[str]:
+    """Where a lag will be, as far as its own pace hangs on that."""
+    return _run(catalogue, TURN, [f"    {signal} = foreseen(s, first + {slot}, h, how, {goal})"])
+
+
+def _response(catalogue: Catalogue) -> list[str]:
+    """The pace of the yield force, and its lag."""
+    slot, time = catalogue.slots["response"], ("response_time", "tau_y += {call}")
+    pace = _lines(catalogue, "tau_scale", "tau_scale *= {call}")
+    pace += _lines(catalogue, *time, places="more")
+    lag = ["    " + line for line in _relax(catalogue, catalogue["response"])]
+    lines = ["    tau_scale = 1.0", "    tau_y = 0.0", *_foreseen(catalogue, slot, "f_y", "y")]
+    lines += [*_lines(catalogue, *time, places="alone"), *_run(catalogue, "pace", pace)]
+    lines += _run(catalogue, LAG, lag, [f"    s[W, {slot}] = y"])
+    return [*lines, f"    f_y = s[W, {slot}]"]
 
 
 def _act(catalogue: Catalogue) -> list[str]:
@@ -223,15 +239,13 @@ def _early(catalogue: Catalogue) -> list[str]:
 
 
 def _yield(catalogue: Catalogue) -> list[str]:
-    """The yield force that the field asks for, the scales of viscosity, stiffness and time, and the response time."""
-    target, time = ("target", "y += {call}"), ("response_time", "tau_y += {call}")
+    """The yield force that the field asks for, and the scales of viscosity and stiffness."""
+    target = ("target", "y += {call}")
     done = ["    y *= yield_scale", "    x, v = x_d, v_d"]
     lines = _lines(catalogue, *target, places="more") + done
-    for name in ("viscous_scale", "stiffness_scale", "tau_scale"):
+    for name in ("viscous_scale", "stiffness_scale"):
         lines += _lines(catalogue, name, f"{name} *= {{call}}")
-    lines += _lines(catalogue, *time, places="more")
-    alone = [line for hook in (target, time) for line in _lines(catalogue, *hook, places="alone")]
-    return alone + _run(catalogue, "yield", lines, done)
+    return _lines(catalogue, *target, places="alone") + _run(catalogue, "yield", lines, done)
 
 
 def _end(catalogue: Catalogue) -> list[str]:

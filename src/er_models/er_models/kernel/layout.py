@@ -17,7 +17,6 @@ from er_models.kernel.order import (
     reads,
     reads_yield_early,
     slides,
-    turns_with_the_yield,
 )
 
 ZERO, HEAT, CAUGHT, SLIDES = 1, 2, 3, 4
@@ -64,8 +63,6 @@ def layout(
         slots.add(c.lagged)
     if lags and (reads(used, "u_f") or "u_f" in terms):
         slots.add(c.formed)
-        if turns_with_the_yield(used):
-            links.add(c.formed)
     if reads(used, "f_r"):
         links.add(c.rest)  # in series: f_r follows only from the motion that is left to the damper
     for effect in used:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from er_models.catalogue import Catalogue
 from er_models.effect import HOOKS, Effect
-from er_models.kernel.order import reads, relaxes_at
+from er_models.kernel.order import reads, relaxes_at, turns_with_the_yield
 
 ALONE = ("target", "response_time", "force")
 """Hooks of which the first core effect stands alone: nearly every model has it."""
@@ -25,17 +25,21 @@ FIELD = "field"
 """Mask of a duty whose chains take that time to form, where an effect acts with them."""
 TERMS = "terms"
 """Mask of measured terms."""
+TURN = "turn"
+"""Mask of lags whose pace depends on where they are."""
 RUNS: dict[str, tuple[str, ...]] = {
     "early": (
         "duty", "passive_stiffness", "passive_damping", "yield_scale", "shift_deflection", "shift_velocity",
         "flow_deflection", "flow_velocity",
     ),
-    "yield": ("target", "viscous_scale", "stiffness_scale", "tau_scale", "response_time"),
+    "yield": ("target", "viscous_scale", "stiffness_scale"),
+    "pace": ("tau_scale", "response_time"),
     "act": ("states", "force"),
     "end": ("limit", "late", "sense"),
     LAG: (),
     FIELD: (),
     TERMS: (),
+    TURN: (),
 }  # fmt: skip
 """Places of `kernel.order.ORDER` that follow one another."""
 
@@ -77,6 +81,7 @@ def mask(
             on[of_run(catalogue, run)] |= not {*more, relaxes_at(effect)}.isdisjoint(places)
         on[of_run(catalogue, LAG)] |= "response_time" in effect.hooks
     on[of_run(catalogue, TERMS)] = bool(terms)
+    on[of_run(catalogue, TURN)] = turns_with_the_yield(used)
     end, early = of_run(catalogue, "end"), of_run(catalogue, "early")
     on[end] |= on[early] or bool(terms)  # which may read the rest of the force, and add to it
     field = reads(used, "u_f") or "u_f" in terms

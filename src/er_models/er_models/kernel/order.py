@@ -11,7 +11,7 @@ the yield force.
 
 A state is brought to the end of the step at one of these places. A hook that reads it earlier sees
 the trial of the search in `kernel.states`; the states for which this happens are the links of a
-model.
+model. What sets the pace of the response sees the yield force that is foreseen at the end of the step.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ ORDER = (
     "stiffness_scale", "tau_scale", "response_time", "response", "states", "force", "limit", "late",
     "sense",
 )  # fmt: skip
+_PACE = ("tau_scale", "response_time")
 _MAPS = ("duty", "shift_deflection", "shift_velocity", "flow_deflection", "flow_velocity")
 KNOWN_FROM = {
     **dict.fromkeys(("x", "v", "a", "u", "t", "theta"), "duty"),
@@ -99,7 +100,7 @@ def slides(effect: Effect) -> bool:
 
 
 def reads_yield_early(effects: Iterable[Effect]) -> bool:
-    """Whether any effect reads the yield force f_y before it is brought forward."""
+    """Whether any effect reads the yield force f_y before it is brought forward, but for what sets its pace."""
     return any(_reads_yield_early(effect) for effect in effects)
 
 
@@ -112,8 +113,8 @@ def reads(effects: Iterable[Effect], signal: str) -> bool:
 
 def turns_with_the_yield(effects: Iterable[Effect]) -> bool:
     """Whether a response time depends on where the yield force is, and so that of u_f on where u_f is."""
-    own = (e for e in effects if "tau_scale" in e.hooks)
-    return any("f_y" in arguments(e.hooks["tau_scale"]) for e in own)
+    paces = [e.hooks[hook] for e in effects for hook in _PACE if hook in e.hooks]
+    return any("f_y" in arguments(hook) for hook in paces)
 
 
 @cache
@@ -123,6 +124,7 @@ def _reads_yield_early(effect: Effect) -> bool:
         place = relaxes_at(effect) if hook == "relax" else hook
         if (
             place in ORDER
+            and place not in _PACE
             and _before(place, "response")
             and "f_y" in arguments(effect.hooks[hook])
         ):

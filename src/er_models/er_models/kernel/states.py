@@ -117,6 +117,18 @@ def follow(s, j, h, how):
     return (s[W0, j] + h * drive) / (1.0 + h * rate)
 
 
+@inline
+def foreseen(s, j, h, how, goal):
+    """Where a lag j towards a goal will be at the end of a step, at the pace of its beginning: first order in the step.
+
+    A pace that hangs on where the lag is takes it from there, which leaves out no more than the step itself does.
+    """
+    if how == SETTLE:
+        return goal
+    z = h * s[R0, j]
+    return (s[W0, j] + z * goal) / (1.0 + z)
+
+
 @inner
 def pressed(s, j, h, how, bound, give):
     """State j at the end of a step where what lies beyond +-bound springs back at a rate `give`.
