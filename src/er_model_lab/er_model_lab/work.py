@@ -36,7 +36,8 @@ STOPPED = (KeyboardInterrupt, Cancelled)
 class Leader:
     """A candidate that is ahead so far.
 
-    rmse: its cross-validated error [N]; evidence: by how much it lowers that of the model without it [N].
+    rmse: its error [N], cross-validated where it was judged; evidence: by how much it lowers that of the model without
+    it [N].
     """
 
     effect: str

@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis import candidates, search
+from er_model_lab.diagnosis import ranking, search
 from er_model_lab.diagnosis.candidates import (
     baseline,
     effect_size,
     finished,
     refit,
-    refit_all,
     roughly_without,
     to_the_end,
     without,
 )
+from er_model_lab.diagnosis.ranking import may_win, refit_all
 from er_model_lab.fitting.fit import fit, settled
 from er_model_lab.problem import subset
 from er_model_lab.problem.forward import ROUGH, DamperForward
@@ -61,7 +61,7 @@ def many(prepared, monkeypatch):
     monkeypatch.setattr(subset, "MANY", 60.0)
     monkeypatch.setattr(subset, "PRACTISED", 18.0)
     monkeypatch.setattr(subset, "STRETCH", (3.0, 3.0))
-    monkeypatch.setattr(candidates, "FINALISTS", 2)
+    monkeypatch.setattr(ranking, "FINALISTS", 2)
     return replace(prepared)
 
 
@@ -148,6 +148,22 @@ def test_a_rough_look_says_what_is_plainly_needed_and_nothing_else_is_left_out_i
     assert asked == [("coulomb_friction",)]
 
 
+def test_of_few_runs_a_look_says_which_effects_are_worth_a_fit_to_the_end(prepared):
+    base = baseline(load_model(GUO), prepared)
+    effects = [base.fit.model.catalogue[name] for name in TRIED]
+    found = refit_all(base, prepared, effects)
+    whole = {e.name: refit(base, e, prepared) for e in effects}
+    gains = {name: base.mse - c.mse for name, c in whole.items()}
+    best = max(gains.values())
+    assert found[0].name == "coulomb_friction"
+    for c in found:
+        assert c.ranked == (not may_win(gains[c.name], best)), c.name
+        least = whole[c.name].seen
+        assert c.seen == pytest.approx(least, rel=0.02 if c.ranked else 1e-4), c.name
+        left = prepared.force - prepared.predict(c.fit.model)
+        np.testing.assert_allclose(c.fit.residual, left, atol=1e-9)
+
+
 @pytest.mark.slow
 def test_the_best_effects_come_out_as_of_fits_to_all_runs_for_less_work(prepared, many, work):
     def ranked(problem):
@@ -172,5 +188,5 @@ def test_the_best_effects_come_out_as_of_fits_to_all_runs_for_less_work(prepared
     assert less_work < 0.8 * all_work
     # what a candidate and its base both have is there once
     known = same.fit.columns[0]
-    assert sum(c.fit.columns[0] is known for c in part) >= len(TRIED) - candidates.FINALISTS
+    assert sum(c.fit.columns[0] is known for c in part) >= len(TRIED) - ranking.FINALISTS
     assert all(c.fit.jacobian.shape == (many.motion.n, c.fit.theta.size) for c in part)

@@ -11,8 +11,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis.candidates import TRYING, made_ready
+from er_model_lab.diagnosis.candidates import made_ready
 from er_model_lab.diagnosis.investigation import search_effects
+from er_model_lab.diagnosis.ranking import TRYING
 from er_model_lab.fitting.fit import fit
 from er_model_lab.jobs import processes as own_processes
 from er_model_lab.problem import problem as problem_module

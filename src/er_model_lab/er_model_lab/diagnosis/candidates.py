@@ -6,15 +6,13 @@ residual is often an impostor.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
-from er_models.effect import SMOOTH, Effect, arguments
+from er_models.effect import Effect, arguments
 from er_models.model import Array, Model
 from er_models.prediction import motion, predict
-from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.restarts import awakened, handed_over, restarts, terms
 from er_model_lab.diagnosis.size_scan import profiled, scanned
@@ -39,36 +37,27 @@ from er_model_lab.fitting.fit import (
     practised,
     settled,
 )
-from er_model_lab.problem.forward import ROUGH
+from er_model_lab.problem.forward import COARSE, ROUGH
 from er_model_lab.problem.problem import Practice, Problem
-from er_model_lab.work import Leader
 
 Values = Mapping[str, float]
 """Values of an effect by name [SI]."""
-Look = tuple[str, Sequence[Values]]
-"""An effect to be looked at, and values that it had beside a smaller model."""
 FOREIGN = 0.25
 """Share of the force left unexplained above which a model's own values are taken to be another damper's."""
 A_LOOK = 4
-"""Iterations that every candidate gets on stretches of many runs; those that may win go on."""
-STARTS = 3
-"""From how many starts an effect is fitted for a look: the one that promises most in a straight line may lead astray.
-"""
+"""Iterations that every candidate gets, of many runs on stretches of them; those that may win go on."""
+STARTS, UNSCALED = 3, 2
+"""From how many starts an effect is fitted to stretches: the one that promises most in a straight line may lead astray.
+And from how many at least where no amplitude switches it on, so that a straight line promises little."""
 GLANCE, GO_ON, LOST = 1, 3, 2.0
 """Iterations that each model gets in which another effect hands its play over, how many of them go on, and the multiple
 of the error before from which on none does."""
-FINALISTS = 4
-"""Candidates that are fitted to the end; of many runs these are fitted to all."""
-TRYING, FINISHING = "trying effects", "fitting the best to the end"
-"""Stages of a round that take long."""
 BEYOND = 1e6
 """Change of a prediction, over the largest force, from which on it has lost all measure."""
 HOPE = 1.2
 """Mean square, over a target, up to which a fit to stretches may still reach it on all runs."""
 NOTHING = 1e-6
 """Mean square that a straight line gains, over what is left, below which an effect changes nothing."""
-MAY_WIN = 0.25
-"""Share of the best one's gain from which on a fit is brought to its end, as mean squares: a tie asks for far more."""
 
 
 @dataclass(frozen=True)
@@ -197,48 +186,36 @@ def screen(base: Candidate, effect: Effect, problem: Problem) -> Screen:
     return Screen(ranked, kept, reach, gain)
 
 
-@dataclass(frozen=True)
-class Begun:
-    """An effect that was begun to be fitted to stretches, and what a straight line said of it."""
-
-    name: str
-    fit: Fit
-    seen: Screen
-
-
 def refit(
     base: Candidate, effect: Effect, problem: Problem, *, max_iter: int = FIRST_ITERATIONS, target: float = np.inf
 ) -> Candidate:  # fmt: skip
     """Add one effect to a fitted model, refit everything, and cross-validate; of many runs on stretches first.
 
-    target: mean square [N2] that the fit to stretches must promise; else it is judged on all runs as it is.
+    target: mean square [N2] that a sketch of the fit must promise; else it is judged where that has led.
     """
-    few, effects, hopeless = problem.practice, (*base.effects, effect.name), False
-    if few is None:
-        fitted, seen = _fitted_with(base, effect, problem, max_iter)
-    else:
-        part, rows = _on_part(base, few), few.problem.train
-        near = about(part.fit, few.problem.begun(part.fit.model), ROUGH)
-        begun, seen = _fitted_with(part, effect, near, max_iter, sketch=True)
-        hopeless = base.seen * begun.mse(rows) > HOPE * target * part.fit.mse(rows)
-        where = about(base.fit, problem, ROUGH)
-        fitted = _on_all(base, begun, where, 0 if hopeless else max_iter)
+    few = problem.practice
+    part, here, longest = (
+        (on_part(base, few), few.problem, ROUGH) if few else (base, problem, COARSE)
+    )
+    near = about(part.fit, here.begun(part.fit.model), longest)
+    begun, seen = sketched(part, effect, near, max_iter, STARTS if few else 1)
+    hopeless = base.seen * begun.mse(here.train) > HOPE * target * part.fit.mse(here.train)
+    if few:
+        fitted = on_all(base, begun, about(base.fit, problem, ROUGH), 0 if hopeless else max_iter)
         fitted = fitted if hopeless else settled(fitted, problem)
-    found = cross_judged(effects, fitted, problem, seen.kept, seen.reach, straight=hopeless)
-    return replace(found, ranked=few is not None)
+    else:
+        fitted = gone_on_here(base, begun, seen, problem, 0 if hopeless else max_iter)
+    names, ranked = (*base.effects, effect.name), hopeless or few is not None
+    found = cross_judged(names, fitted, problem, seen.kept, seen.reach, straight=hopeless)
+    return replace(found, ranked=ranked)
 
 
-def _refitted(name: str, problem: Problem, base: Candidate) -> Candidate:
-    """`refit` as a job."""
-    return refit(base, base.fit.model.catalogue[name], problem)
-
-
-def _on_part(whole: Candidate, few: Practice) -> Candidate:
+def on_part(whole: Candidate, few: Practice) -> Candidate:
     """A fitted model on the stretches to practise on."""
     return replace(whole, fit=part_of(whole.fit, few))
 
 
-def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit:
+def on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit:
     """A fit to stretches, fitted further to all runs; base: the model on all runs before it grew.
 
     It begins as the stretches have it, or with their values of the effect alone beside the base, where that leaves less
@@ -255,15 +232,33 @@ def _on_all(base: Candidate, begun: Fit, problem: Problem, max_iter: int) -> Fit
     return fit(start, problem, known=base.fit.jacobian, max_iter=max_iter)
 
 
-def _fitted_with(
-    base: Candidate, effect: Effect, problem: Problem, max_iter: int, *, sketch: bool = False,
-    also: Sequence[Values] = (),
-) -> tuple[Fit, Screen]:  # fmt: skip
-    """A fitted model with one effect more, everything refitted, and what a straight line said of it.
+def gone_on_here(
+    base: Candidate, begun: Fit, seen: Screen, problem: Problem, max_iter: int
+) -> Fit:
+    """A sketch of a fit, fitted further; without iterations with the derivatives that the base has.
 
-    Where no amplitude switches the effect on, a straight line promises little: the two best starts are tried. What
-    changes nothing (a law of the duty where there is none) is not fitted. also: starts beside those that the line says,
-    of which a sketch then gets one more only.
+    A gap has a valley at each size: it is fitted from its start without a sketch as well.
+    """
+    if not max_iter:
+        return fit(begun.model, problem, known=base.fit.jacobian, max_iter=0)
+    fits, catalogue = (
+        [fit(begun.model, problem, max_iter=max_iter, looks=LOOKS)],
+        begun.model.catalogue,
+    )
+    for name in begun.model.effects.keys() - base.fit.model.effects.keys():
+        if is_gap(catalogue[name]):
+            grown, known = base.fit.model.with_effect(name, seen.points[0]), base.fit.jacobian
+            fits.append(fit(grown, problem, known=known, max_iter=max_iter, looks=LOOKS))
+    return min(fits, key=lambda f: f.mse(problem.train))
+
+
+def sketched(
+    base: Candidate, effect: Effect, problem: Problem, max_iter: int, usual: int, also: Sequence[Values] = ()
+) -> tuple[Fit, Screen]:  # fmt: skip
+    """A sketch of a fitted model with one effect more, everything refitted, and what a straight line said of it.
+
+    What changes nothing (a law of the duty where there is none) is not fitted. usual: how many starts that the line
+    says are tried, only one where there are others: also.
     """
     seen = screen(base, effect, problem)
     left = base.fit.mse(problem.train)
@@ -273,13 +268,13 @@ def _fitted_with(
 
     def begun(grown: Model, known: Array | None = base.fit.jacobian, most: int = max_iter) -> Fit:
         return fit(
-            grown, problem, known=known, target=target, max_iter=most, sketch=sketch, looks=LOOKS
+            grown, problem, known=known, target=target, max_iter=most, sketch=True, looks=LOOKS
         )
 
     def grown(values: Values) -> Model:
         return base.fit.model.with_effect(effect.name, values)
 
-    usual = STARTS if sketch else 1 if amplitudes(effect) else 2
+    usual = usual if amplitudes(effect) else max(usual, UNSCALED)
     first = seen.points[: 1 if also else usual]
     others = [p for p in of_each_form(effect, seen.points) if p not in first]
     fits = [begun(grown(values)) for values in (*also, *first, *others)]
@@ -347,128 +342,9 @@ def cross_judged(
     return Candidate(effects, fitted, residual, losses, mse, seen, kept, reach)
 
 
-def refit_all(
-    base: Candidate, problem: Problem, effects: Iterable[Effect] | None = None, before: Iterable[Candidate] = ()
-) -> list[Candidate]:  # fmt: skip
-    """Every missing effect refitted, best held-out error first; the best few are fitted to the end.
-
-    before: what was tried beside the model before it grew; of many runs effects are begun from these values, and from
-    one start more.
-    """
-    able = missing(base.fit.model, problem) if effects is None else effects
-    tried = [e.name for e in sorted(able, key=_quick)]
-    few = problem.practice
-    if few:
-        known = {c.name: [c.fit.model.effects[c.name]] for c in before}
-        looks: list[Look] = [(name, known.get(name, ())) for name in tried]
-        return _refit_many(base, problem, few, looks)
-    found = predicted(
-        problem.each(_refitted, tried, base, stage=TRYING, best=partial(leaders, base))
-    )
-    found.sort(key=lambda c: c.mse)
-    return _ended(base, found, problem)
-
-
-def _quick(effect: Effect) -> bool:
-    """Whether an effect is fitted soon; one whose events make that long is begun first, so that nobody waits for it."""
-    return all(q.step == SMOOTH for q in effect.parameters)
-
-
-def _refit_many(
-    base: Candidate, problem: Problem, few: Practice, effects: list[Look]
-) -> list[Candidate]:
-    """Of many runs: every effect fitted to stretches, the best few to all; the others are judged as they are there."""
-    known = base.fit.jacobian
-    base = replace(base, fit=replace(base.fit, columns=(known,)))
-    part, rows = _on_part(base, few), few.problem.train
-    near = about(part.fit, few.problem.begun(part.fit.model), ROUGH)
-    looked = _by_gain(near.each(_begun, effects, part, stage=TRYING), part, rows)
-    begun = _by_gain(near.each(_gone_on, looked, stage=TRYING), part, rows)
-    jobs = [(b, able and place < FINALISTS) for place, (b, able) in enumerate(begun)]
-    near, best = about(base.fit, problem, ROUGH), partial(leaders, base)
-    judged = near.each(_judged, jobs, base, near.begun(base.fit.model), stage=FINISHING, best=best)
-    found = predicted([_beside(c, known) for c in judged])
-    found.sort(key=lambda c: c.left)
-    return _ended(base, found, problem)
-
-
 def predicted(found: list[Candidate]) -> list[Candidate]:
     """Those whose prediction is a number: a free joint before a negative damping runs away, whatever its values."""
     return [c for c in found if np.isfinite(c.mse)] or found
-
-
-def _by_gain(
-    begun: list[Begun], base: Candidate, rows: NDArray[np.bool_]
-) -> list[tuple[Begun, bool]]:
-    """Effects begun beside a model, the one that gains most first, each with whether it may win."""
-    begun = sorted(begun, key=lambda b: b.fit.mse(rows))
-    gains = [base.fit.mse(rows) - b.fit.mse(rows) for b in begun]
-    return [(b, may_win(gain, gains[0])) for b, gain in zip(begun, gains, strict=True)]
-
-
-def may_win(gain: float, best: float) -> bool:
-    """Whether a gain that is not the whole one yet may become the best."""
-    return gain >= MAY_WIN * best
-
-
-def _ended(base: Candidate, found: list[Candidate], problem: Problem) -> list[Candidate]:
-    """Candidates, best first, with those of the best few that may still win fitted to the end.
-
-    Where a gap lies tells only a closer look.
-    """
-    gains = [base.mse - c.mse for c in found]
-    ahead = [
-        c
-        for c, gain in zip(found[:FINALISTS], gains, strict=False)
-        if may_win(gain, gains[0]) or is_gap(c.fit.model.catalogue[c.name])
-    ]
-    ended = problem.each(for_a_choice, range(len(ahead)), ahead, stage=FINISHING)
-    return sorted(
-        [*ended, *(c for c in found if not any(c is a for a in ahead))], key=lambda c: c.mse
-    )
-
-
-def _begun(job: Look, problem: Problem, base: Candidate) -> Begun:
-    """An effect, with values that it had before, fitted to stretches, for a look; problem and base: of them."""
-    name, also = job
-    effect = base.fit.model.catalogue[name]
-    seen = _fitted_with(base, effect, problem, A_LOOK, sketch=True, also=also)
-    return Begun(name, *seen)
-
-
-def _gone_on(job: tuple[Begun, bool], problem: Problem) -> Begun:
-    """An effect fitted on to stretches where a look had used its iterations up and it may win, which the job says."""
-    begun, able = job
-    if not able or begun.fit.iterations < A_LOOK:
-        return begun
-    longer = fit(begun.fit.model, problem, max_iter=FIRST_ITERATIONS - A_LOOK, sketch=True)
-    return replace(begun, fit=longer)
-
-
-def _judged(
-    job: tuple[Begun, bool], problem: Problem, base: Candidate, where_base_begins: Problem
-) -> Candidate:
-    """A fit to stretches, fitted to all runs where it is one of the best, which the job says.
-
-    Derivatives that the base has stay there: those of all candidates would be most of the memory. where_base_begins:
-    the same problem, `begun` at the base, which is enough for the others.
-    """
-    begun, ahead = job
-    problem = problem if ahead else where_base_begins
-    on_all = _on_all(base, begun.fit, problem, FIRST_ITERATIONS if ahead else 0)
-    names, seen = (*base.effects, begun.name), begun.seen
-    found = cross_judged(names, on_all, problem, seen.kept, seen.reach, straight=not ahead)
-    columns = on_all.columns
-    own = columns[1:] if columns[0] is base.fit.columns[0] else columns
-    return replace(found, ranked=True, fit=replace(on_all, columns=own))
-
-
-def _beside(candidate: Candidate, known: Array) -> Candidate:
-    """A candidate with the derivatives (n, k) that stayed at its base, where it has none of its own of them."""
-    columns = candidate.fit.columns
-    if sum(part.shape[1] for part in columns) == candidate.fit.theta.size:
-        return candidate
-    return replace(candidate, fit=replace(candidate.fit, columns=(known, *columns)))
 
 
 def to_the_end(which: int, problem: Problem, candidates: list[Candidate]) -> Candidate:
@@ -485,12 +361,6 @@ def made_ready(model: Model) -> None:
     """Have in this process what fits of a model need: the compiled kernel takes a second to load."""
     still = np.zeros(2)
     predict(model, motion(1e-3, still, still, still))
-
-
-def leaders(base: Candidate, found: list[Candidate]) -> list[Leader]:
-    """The best of what was tried so far, best first."""
-    ahead = sorted(found, key=lambda c: c.mse)[:FINALISTS]
-    return [Leader(c.name, float(np.sqrt(c.mse)), effect_size(base, c)) for c in ahead]
 
 
 def effect_size(base: Candidate, candidate: Candidate) -> float:

@@ -10,7 +10,8 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 from er_models.model import Model
 
-from er_model_lab.diagnosis.candidates import FINALISTS, Candidate, cross_judged, effect_size
+from er_model_lab.diagnosis.candidates import Candidate, cross_judged, effect_size
+from er_model_lab.diagnosis.ranking import FINALISTS
 from er_model_lab.fitting.fit import FIRST_ITERATIONS, fit, standard_deviations
 from er_model_lab.problem.problem import Problem
 

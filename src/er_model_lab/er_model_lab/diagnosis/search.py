@@ -16,13 +16,13 @@ from er_model_lab.diagnosis.candidates import (
     finished,
     left_without,
     refit,
-    refit_all,
     roughly_without,
     screen,
     to_the_end,
 )
 from er_model_lab.diagnosis.determined import far, loose, strange, unseen
 from er_model_lab.diagnosis.null import Null, simulate_null
+from er_model_lab.diagnosis.ranking import refit_all
 from er_model_lab.diagnosis.refinements import NOTHING, makes_up, stands_in
 from er_model_lab.diagnosis.rule import BAND, RULE, Rule
 from er_model_lab.fitting.fit import mean_square, standard_deviations
