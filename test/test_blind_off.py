@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.null import simulate_null
-from er_model_lab.diagnosis.search import passes, threshold
+from er_model_lab.diagnosis.passing import passes, threshold
 from er_model_lab.level.damper import opened
 from er_model_lab.verbs.load import load
 from er_models.files import load_model

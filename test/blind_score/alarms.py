@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from er_model_lab.diagnosis.candidates import baseline, effect_size, refit_all
 from er_model_lab.diagnosis.null import simulate_null
+from er_model_lab.diagnosis.passing import passes, threshold
 from er_model_lab.diagnosis.rule import RULE, Rule
-from er_model_lab.diagnosis.search import passes, threshold
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.level.damper import opened
 from er_model_lab.verbs.load import load

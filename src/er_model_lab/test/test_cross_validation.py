@@ -5,13 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from er_model_lab.diagnosis.candidates import baseline, cross_judged, effect_size, predicted, refit
-from er_model_lab.fitting.fit import (
-    _leaving_out,
-    cross_validated,
-    fit,
-    standard_deviations,
-    with_deviations,
-)
+from er_model_lab.fitting.cross_validation import _leaving_out, cross_validated
+from er_model_lab.fitting.deviations import standard_deviations, with_deviations
+from er_model_lab.fitting.fit import fit
 from er_model_lab.problem.held_out import FOLDS
 from er_models.files import load_model
 from lab_help import FORCE_NOISE, GUO, problem_of

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from er_model_lab.diagnosis import search, special_cases
+from er_model_lab.diagnosis import passing, search, special_cases
 from er_model_lab.diagnosis.candidates import (
     baseline,
     cross_judged,
@@ -19,26 +19,17 @@ from er_model_lab.diagnosis.investigation import _alternatives, _standing, judge
 from er_model_lab.diagnosis.leftover_structure import burst_shares, bursts, filtered
 from er_model_lab.diagnosis.noise_floor import Floor, noise_floor
 from er_model_lab.diagnosis.null import Null, simulate_null
-from er_model_lab.diagnosis.rule import RULE, Rule
-from er_model_lab.diagnosis.search import (
-    DOUBT,
+from er_model_lab.diagnosis.passing import (
     STEADY,
-    SURE,
-    Round,
     beyond_motion,
     block_gains,
-    complexity,
-    decided,
-    nested,
     paired_t,
-    partners,
     passes,
-    promising,
-    rivals,
-    swapped,
     threshold,
-    tied,
 )
+from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.diagnosis.search import Round, decided, partners, promising, swapped
+from er_model_lab.diagnosis.ties import DOUBT, SURE, complexity, nested, rivals, tied
 from er_model_lab.fitting.fit import fit
 from er_model_lab.level.study import Study
 from er_model_lab.problem.motion_error import drawn
@@ -154,7 +145,7 @@ def test_small_steps_ask_for_less_steadiness(small, taken, monkeypatch):
     gains = np.array([-0.7, 3.6, 5.8, 13.3, -3.3, 8.9, 4.5, 9.0, 13.2, -2.3, -2.4, 2.7]) / 40.0
     found = leaving(np.full(GATE.size, 2.0 - gains.mean()))
     found.losses = BEFORE.losses - gains
-    assert 2.0 < search.paired_t(gains) < 3.0
+    assert 2.0 < passing.paired_t(gains) < 3.0
     problem = SimpleNamespace(train=np.ones(GATE.size, bool), cycles=())
     null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0), least=0.5 * np.sqrt(gains.mean()))
     step = search.decided(BEFORE, [found], null, problem, replace(RULE, small_steps=small))

@@ -7,7 +7,7 @@ import pytest
 from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.determined import far, loose
 from er_model_lab.diagnosis.investigation import search_effects
-from er_model_lab.diagnosis.search import rivals, tied
+from er_model_lab.diagnosis.ties import rivals, tied
 from er_model_lab.verbs.diagnose import diagnose
 from er_models.files import load_model
 from er_models.model import Model

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from er_model_lab.fitting.deviations import with_deviations
 from er_model_lab.fitting.estimate import (
     MOST_BIAS,
     _unless_astray,
@@ -13,7 +14,7 @@ from er_model_lab.fitting.estimate import (
     stopped,
     trusted,
 )
-from er_model_lab.fitting.fit import Box, fit, with_deviations
+from er_model_lab.fitting.fit import Box, fit
 from er_model_lab.problem.prepare import prepare
 from er_models.model import Model
 from er_models.prediction import motion, predict
@@ -175,7 +176,7 @@ def test_a_parameter_that_moves_nothing_is_not_known_exactly() -> None:
     from types import SimpleNamespace
     from typing import Any, cast
 
-    from er_model_lab.fitting.fit import standard_deviations
+    from er_model_lab.fitting.deviations import standard_deviations
 
     rng = np.random.default_rng(0)
     fitted = SimpleNamespace(

@@ -9,8 +9,8 @@ from er_model_lab.cli.app import app
 from er_model_lab.diagnosis.candidates import baseline, refit
 from er_model_lab.diagnosis.noise_floor import noise_floor
 from er_model_lab.diagnosis.null import simulate_null
+from er_model_lab.fitting.deviations import with_deviations
 from er_model_lab.fitting.envelope import with_unfelt
-from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.level.car_outputs import confounded
 from er_model_lab.preflight.check import findings
 from er_model_lab.preflight.usable_channels import use_findings
@@ -209,7 +209,7 @@ def test_effects_of_sensors_that_were_not_recorded_are_not_tried(opened):
 
 
 def test_a_known_car_comes_back_with_its_deviations(opened):
-    from er_model_lab.fitting.fit import with_deviations
+    from er_model_lab.fitting.deviations import with_deviations
 
     problem, fitted = opened
     model, truth = with_deviations(fitted, problem), load_model(CAR)

@@ -25,12 +25,12 @@ from er_model_lab.diagnosis.starts import (
     scaled,
     starts,
 )
+from er_model_lab.fitting.cross_validation import cross_validated
 from er_model_lab.fitting.fit import (
     FIRST_ITERATIONS,
     LOOKS,
     Fit,
     about,
-    cross_validated,
     fit,
     mean_square,
     part_of,

@@ -19,7 +19,9 @@ from er_models.model import Array, Model
 from er_models.prediction import predict
 
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
-from er_model_lab.diagnosis.search import DOUBT, NEARLY, Round, passes
+from er_model_lab.diagnosis.passing import passes
+from er_model_lab.diagnosis.search import Round
+from er_model_lab.diagnosis.ties import DOUBT, NEARLY
 from er_model_lab.filtering import fading
 from er_model_lab.problem.forward import Past
 from er_model_lab.problem.problem import Problem

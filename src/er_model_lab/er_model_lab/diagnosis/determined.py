@@ -9,7 +9,8 @@ from er_models.effect import arguments
 
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.coverage import STEP
-from er_model_lab.fitting.fit import Fit, standard_deviations
+from er_model_lab.fitting.deviations import standard_deviations
+from er_model_lab.fitting.fit import Fit
 from er_model_lab.problem.problem import Problem
 
 CLEAR = 2.0

@@ -11,8 +11,9 @@ from er_model_lab.diagnosis.candidates import Candidate, effect_size
 from er_model_lab.diagnosis.coverage import Coverage
 from er_model_lab.diagnosis.floor_estimates import AGREE
 from er_model_lab.diagnosis.noise_floor import Floor
+from er_model_lab.diagnosis.passing import passes, threshold
 from er_model_lab.diagnosis.rule import Rule
-from er_model_lab.diagnosis.search import MOST_EFFECTS, Round, passes, threshold
+from er_model_lab.diagnosis.search import MOST_EFFECTS, Round
 from er_model_lab.diagnosis.verdict import Evidence, Verdict
 from er_model_lab.residual.errors import explainable
 

@@ -12,7 +12,8 @@ from operator import itemgetter
 from er_models.model import Model
 
 from er_model_lab.diagnosis.candidates import A_LOOK, Candidate, cross_judged, effect_size
-from er_model_lab.diagnosis.search import Round, close, rises, taken_in
+from er_model_lab.diagnosis.search import Round, close, taken_in
+from er_model_lab.diagnosis.ties import rises
 from er_model_lab.fitting.fit import LOOKS, fit
 from er_model_lab.problem.problem import Problem
 

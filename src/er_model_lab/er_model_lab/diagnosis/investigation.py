@@ -17,6 +17,7 @@ from er_model_lab.diagnosis.floor_estimates import AGREE, credible
 from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.diagnosis.noise_floor import Floor, bounded, noise_floor
 from er_model_lab.diagnosis.null import Null, simulate_null
+from er_model_lab.diagnosis.passing import passes, there, threshold
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.search import (
     MOST_EFFECTS,
@@ -25,13 +26,10 @@ from er_model_lab.diagnosis.search import (
     close,
     decided,
     one_round,
-    passes,
     promising,
     prune,
     swapped,
     taken_in,
-    there,
-    threshold,
     try_pairs,
 )
 from er_model_lab.diagnosis.special_cases import as_one, plain

@@ -12,7 +12,8 @@ from er_models.model import Model
 
 from er_model_lab.diagnosis.candidates import Candidate, cross_judged, effect_size
 from er_model_lab.diagnosis.ranking import FINALISTS
-from er_model_lab.fitting.fit import FIRST_ITERATIONS, fit, standard_deviations
+from er_model_lab.fitting.deviations import standard_deviations
+from er_model_lab.fitting.fit import FIRST_ITERATIONS, fit
 from er_model_lab.problem.problem import Problem
 
 CERTAIN = 2.0

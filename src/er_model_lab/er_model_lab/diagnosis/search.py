@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from er_models.model import Array, Model
 
 from er_model_lab.diagnosis.candidates import (
     Candidate,
@@ -20,12 +19,19 @@ from er_model_lab.diagnosis.candidates import (
     screen,
     to_the_end,
 )
-from er_model_lab.diagnosis.determined import far, loose, strange, unseen
+from er_model_lab.diagnosis.determined import loose, strange
 from er_model_lab.diagnosis.null import Null, simulate_null
+from er_model_lab.diagnosis.passing import (
+    FAR_BEYOND,
+    beyond_motion,
+    passes,
+    there,
+    threshold,
+)
 from er_model_lab.diagnosis.ranking import refit_all
-from er_model_lab.diagnosis.refinements import NOTHING, makes_up, stands_in
-from er_model_lab.diagnosis.rule import BAND, RULE, Rule
-from er_model_lab.fitting.fit import mean_square, standard_deviations
+from er_model_lab.diagnosis.refinements import makes_up, stands_in
+from er_model_lab.diagnosis.rule import RULE, Rule
+from er_model_lab.diagnosis.ties import NEARLY, rises, rivals, tied
 from er_model_lab.problem.problem import Problem
 
 PAIRS_OF = 6
@@ -36,36 +42,8 @@ PLAINLY = 2.0
 """Size, over what counts, from which on an effect is needed by a fit in longer steps alone."""
 LEAVING_OUT = "leaving effects out"
 MOST_EFFECTS = 3
-BEYOND, FAR_BEYOND = 2.5, 3.0
-"""Size, over what chance gives, from which on less steadiness is asked of an effect, and of one that is there however
-unevenly its gains are spread. So much must a generalised form gain over its special case, too: the name then rests on
-one number alone."""
-STEADY, LESS_STEADY = 3.0, 2.0
-"""Paired t of gains over blocks [1] above which chance does not make them: three standard errors; and two of them for
-small steps, which held-out data confirm or refuse."""
-NEARLY_ALL, HALF = 0.8, 0.5
-"""Shares of blocks that gain: from the first on an effect is steady, below the second it is none, however large."""
-FEW = 3
-"""Samples on end that may be wild, or bent by a filter, without being known as such."""
-HARMLESS = 0.05
-"""Share of its gains that an effect which acts seldom may lose elsewhere."""
 PROMISE = 1.5
 """Size, over what chance gives, from which a candidate left over is worth another round."""
-DOUBT, SURE = 2.0, 4.5
-"""Paired t below which two candidates are tied in any case, and from which on they never are."""
-NEARLY = 0.85
-"""Share of the best one's effect size from which on a candidate comes near it."""
-FORM, TWIN, SPARE = 0.997, 0.99, 1.5
-"""Shares of the best one's effect size that a form of fewer parameters, which is named first then, and one of as many
-have, and the most by which either is behind, over what counts as an effect, where the two are tied: what is real keeps
-to no equation, and no sensor to its noise, so closely that it would decide."""
-NOTED = 1.15
-"""Times what the best candidate leaves, from which on one that is tied with it is told after it."""
-PARTS, UNDERRATED = 10, 4.0
-"""Parts of the samples, by what the errors of the motion cause there, in which a gain must exceed it, and how much more
-in mean square these errors may cause than the fusion says."""
-NESTED, SAME = 1e-2, 1e-4
-"""Mean square of the difference of two forces, over what is left, below which they are nearly, and wholly, the same."""
 
 
 @dataclass(frozen=True)
@@ -86,232 +64,6 @@ def afresh(step: Round) -> Round:
     tried = [replace(c, effects=c.effects[many:]) for c in step.candidates]
     taken = next((n for c, n in zip(step.candidates, tried, strict=True) if c is step.taken), None)
     return replace(step, base=replace(step.base, effects=()), candidates=tried, taken=taken)
-
-
-def threshold(null: Null, floor: float, rule: Rule = RULE) -> float:
-    """Smallest effect size that counts [N]."""
-    return max(null.threshold(rule.false_alarm), rule.smallest * floor)
-
-
-def passes(base: Candidate, candidate: Candidate, limit: float, steady: float = STEADY) -> bool:
-    """Whether an effect is there: large, and steady over blocks; steady: the paired t from which on it is.
-
-    The fall must exceed the limit and be positive in half of the blocks at least. It must also be steady: by its
-    paired t, or positive in nearly all blocks, or seldom at work and harmless else. The less is asked of that the
-    nearer it comes to far beyond the limit, and nothing from there on (records of different kind, where some cannot
-    show the effect).
-    """
-    size = effect_size(base, candidate)
-    if size <= limit:
-        return False
-    gains = base.losses - candidate.losses
-    positive = float(np.mean(gains > 0))
-    asked = float(np.interp(size / limit, (BEYOND, FAR_BEYOND), (NEARLY_ALL, HALF)))
-    even = paired_t(gains) > steady or seldom(gains, limit)
-    return positive >= (HALF if even else asked)
-
-
-def seldom(gains: Array, limit: float) -> bool:
-    """Whether an effect acts in few blocks, but in more than one, and harms nowhere; gains: falls of mean squares.
-
-    What it gains without its best block must still exceed the limit, and what the other blocks lose be next to nothing.
-    """
-    rest = float(gains.sum() - gains.max()) / gains.size
-    return rest > limit**2 and harmless(gains)
-
-
-def harmless(gains: Array) -> bool:
-    """Whether what blocks lose is next to nothing beside what the others gain; gains: falls of mean squares."""
-    return -float(gains[gains < 0.0].sum()) < HARMLESS * float(gains[gains > 0.0].sum())
-
-
-def there(
-    base: Candidate, candidate: Candidate, problem: Problem, limit: float, rule: Rule = RULE
-) -> bool:
-    """Whether an effect passes, and not by a few samples alone."""
-    steady = LESS_STEADY if rule.small_steps else STEADY
-    return passes(base, candidate, limit, steady) and not momentary(
-        base, candidate, problem, limit
-    )
-
-
-def momentary(base: Candidate, candidate: Candidate, problem: Problem, limit: float) -> bool:
-    """Whether what an effect gains lies in a few samples, which may be wild, and elsewhere is within the limit."""
-    rows = problem.train
-    gains = np.where(rows, base.residual**2 - candidate.residual**2, 0.0)
-    best = float(np.convolve(gains, np.ones(FEW), "valid").max(initial=0.0))
-    return float(gains.sum()) - best <= limit**2 * int(rows.sum())
-
-
-def beyond_motion(base: Candidate, candidate: Candidate, null: Null, problem: Problem) -> float:
-    """Effect size [N] less what the errors of the motion may cause, each where it is.
-
-    They act where the gate closes. An effect that gains on the plateaus of the force is none of theirs, however large
-    they are elsewhere; a lag or a delay gains where they act.
-    """
-    rows = problem.train
-    errors = UNDERRATED * null.input_square[rows]
-    gains = base.residual[rows] ** 2 - candidate.residual[rows] ** 2
-    parts = np.array_split(np.argsort(errors, kind="stable"), PARTS)
-    of_motion = [np.clip(gains[p].sum(), 0.0, errors[p].sum()) for p in parts]
-    return float(np.sqrt(max(gains.sum() - sum(of_motion), 0.0) / gains.size))
-
-
-def block_gains(better: Candidate, worse: Candidate, problem: Problem) -> Array:
-    """Differences of the mean squared errors of two candidates in blocks of a second; positive: `better` is.
-
-    Of less than four seconds the blocks are quarters.
-    """
-    rows = problem.train
-    d = worse.residual[rows] ** 2 - better.residual[rows] ** 2
-    length = min(problem.second, max(d.size // 4, 1))
-    means: Array = d[: d.size // length * length].reshape(-1, length).mean(axis=1)
-    return means
-
-
-def paired_t(gains: Array) -> float:
-    """Mean of differences over its standard error."""
-    return float(gains.mean() / max(float(gains.std(ddof=1)) / np.sqrt(gains.size), 1e-300))
-
-
-def complexity(candidate: Candidate, problem: Problem) -> tuple[int, int]:
-    """Parameters in use, and whether it is physics (1) or a sensor (0): fewer and sensor first.
-
-    A refinement is in use where the data say that it is not neutral; a strength at a bound where that is not doing
-    nothing.
-    """
-    model, fitted = candidate.fit.model, candidate.fit
-    free = [(k, *place) for k, place in enumerate(fitted.free) if place[0] in candidate.effects]
-    used = [
-        (k, model.catalogue[e].parameter(p), e)
-        for k, e, p in free
-        if acts(model, e, p, bool(fitted.at_bound[k]))
-    ]
-    if any(q.optional for _, q, _ in used):
-        sd = standard_deviations(fitted, problem)
-        used = [
-            (k, q, e)
-            for k, q, e in used
-            if not q.optional or abs(model.value(e, q.name) - (q.neutral or 0.0)) > DOUBT * sd[k]
-        ]
-    return len(used), 0 if model.catalogue[candidate.name].stage == "sensing" else 1
-
-
-def acts(model: Model, effect: str, name: str, at_bound: bool) -> bool:
-    """Whether a parameter counts as one in use: it is free, or a strength at a bound that is not doing nothing."""
-    q = model.catalogue[effect].parameter(name)
-    if not at_bound or q.optional or q.neutral is None:
-        return not at_bound
-    low, high = model.bounds(effect, name)
-    return abs(model.value(effect, name) - q.neutral) > NOTHING * (high - low)
-
-
-def tied(
-    base: Candidate, candidates: list[Candidate], problem: Problem, limit: float
-) -> list[Candidate]:
-    """Candidates the data cannot tell from the best one, in the order in which they are told.
-
-    A law of the duty comes last where the duty never changes, before it what held-out data refuse. Those whose values
-    the data determine come first, then those that are not plainly worse, those that are not far from doing nothing,
-    those that leave little more than the best, and the simplest: with the fewest parameters in use, and at all.
-
-    A tie needs nearly the same effect size, and a paired difference within `DOUBT` standard errors, or within `SURE`
-    and too small to count as an effect of its own. A difference that would count, in several blocks and nowhere the
-    other way, is not chance, however unevenly it is spread: a stop acts seldom. Nor is one far beyond what counts, in
-    half of the blocks at least. Where the motion repeats itself a difference comes back in every cycle, so that only
-    its size counts.
-
-    A form of fewer parameters that leaves next to nothing more is tied, too: turbulent damping as v^1.75 is met a
-    little better by a power law with a free exponent than by v^2. So is one of as many: beside errors of the motion,
-    which smooth what is predicted, a lag of 2 ms may meet a force that is 2 ms late a little better than the delay.
-    """
-    best = candidates[0]
-    size, (used, _) = effect_size(base, best), complexity(best, problem)
-    near = [best]
-
-    def behind(other: Candidate) -> float:
-        return float(np.sqrt(max(other.left - best.left, 0.0)))
-
-    for other in candidates[1:]:
-        gain = effect_size(base, other)
-        if not passes(base, other, limit) or gain < NEARLY * size:
-            continue
-        gap, gains = behind(other), block_gains(best, other, problem)
-        doubtful = paired_t(gains) < (SURE if gap < limit else DOUBT) and not seldom(gains, limit)
-        doubtful = doubtful and not (gap > FAR_BEYOND * limit and np.mean(gains > 0.0) >= HALF)
-        more = complexity(other, problem)[0] - used
-        spare = more <= 0 and gain > (FORM if more else TWIN) * size and gap < SPARE * limit
-        if doubtful or spare or (problem.cycles and gap < limit):
-            near.append(other)
-    unsure = {c.name for c in near if len(near) > 1 and c.name in loose(c, problem)}
-    return sorted(
-        near,
-        key=lambda c: (
-            unseen(c, problem),
-            rises(base, c, problem),
-            c.name in unsure,
-            plainly_worse(c, best, problem),
-            far(c),
-            behind(c) > FAR_BEYOND * limit,
-            *complexity(c, problem),
-            disguised(c, near, problem),
-            len(c.fit.model.catalogue[c.name].parameters),
-        ),
-    )
-
-
-def rises(before: Candidate, after: Candidate, problem: Problem) -> bool:
-    """Whether the error on held-out data rises from one model to another by more than a share: they refuse it."""
-    if not problem.held_out.any():
-        return False
-    old, new = (mean_square(c.fit.residual[problem.held_out]) for c in (before, after))
-    return new > (1.0 + BAND) ** 2 * old
-
-
-def plainly_worse(other: Candidate, best: Candidate, problem: Problem) -> bool:
-    """Whether a candidate leaves more than the best one by more than noise, and in nearly all blocks.
-
-    What errors of the motion may cause leaves both tied, however sure noise alone would be.
-    """
-    gains = block_gains(best, other, problem)
-    steady = paired_t(gains) >= DOUBT and float(np.mean(gains > 0.0)) >= NEARLY_ALL
-    return steady and other.left > NOTED**2 * best.left
-
-
-def nested(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
-    """Whether two candidates make nearly the same force, so that one contains the other.
-
-    What acts in the car and what acts in the damper are no forms of one another, however alike; nor are two
-    effects of as many parameters in use: neither is the simpler, unless bounds make the one the very same as the other.
-    """
-    alike = NESTED
-    if complexity(simple, problem)[0] == complexity(rich, problem)[0]:
-        alike = SAME
-        if len(simple.fit.free) >= len(rich.fit.free):
-            return False
-    stages = [c.fit.model.catalogue[c.name].stage == "vehicle" for c in (simple, rich)]
-    if stages[0] != stages[1]:
-        return False
-    rows = problem.train
-    change = simple.fit.residual[rows] - rich.fit.residual[rows]
-    return bool(
-        np.mean(change**2) < alike * max(float(np.mean(simple.residual[rows] ** 2)), 1e-300)
-    )
-
-
-def disguised(rich: Candidate, others: list[Candidate], problem: Problem) -> bool:
-    """Whether bounds make a form into a simpler one of these: Stribeck without breakaway is Coulomb friction."""
-    own = complexity(rich, problem)
-    return any(
-        complexity(other, problem) == own and nested(other, rich, problem) for other in others
-    )
-
-
-def rivals(simple: Candidate, rich: Candidate, problem: Problem) -> bool:
-    """Whether a tie is worth telling: of nested forms the simpler stands for both, unless the data ask for more."""
-    return (
-        not nested(simple, rich, problem) or paired_t(block_gains(rich, simple, problem)) >= DOUBT
-    )
 
 
 def one_round(

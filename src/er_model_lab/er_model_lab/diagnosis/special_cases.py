@@ -11,8 +11,10 @@ import numpy as np
 from er_models.model import Model
 
 from er_model_lab.diagnosis.candidates import Candidate, cross_judged, effect_size, finished
+from er_model_lab.diagnosis.passing import FAR_BEYOND
 from er_model_lab.diagnosis.rule import Rule
-from er_model_lab.diagnosis.search import FAR_BEYOND, SAME, Round, rises
+from er_model_lab.diagnosis.search import Round
+from er_model_lab.diagnosis.ties import SAME, rises
 from er_model_lab.fitting.fit import fit, mean_square, practised
 from er_model_lab.problem.problem import Problem
 

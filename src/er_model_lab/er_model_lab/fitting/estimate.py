@@ -29,19 +29,8 @@ from er_models.model import Array, Model
 from er_models.sensitivity import quotients, steps
 from numpy.typing import NDArray
 
-from er_model_lab.fitting.fit import (
-    NEAR,
-    Box,
-    Fit,
-    about,
-    covariance,
-    fit,
-    mean_square,
-    part_of,
-    standard_deviations,
-    turned,
-    widths,
-)
+from er_model_lab.fitting.deviations import covariance, standard_deviations, widths
+from er_model_lab.fitting.fit import NEAR, Box, Fit, about, fit, mean_square, part_of, turned
 from er_model_lab.problem.forward import colour_of
 from er_model_lab.problem.problem import Problem
 from er_model_lab.smallest import SMALLEST

@@ -1,8 +1,7 @@
 """Bounded least squares of model parameters on the damper force (Levenberg-Marquardt, all cores).
 
 The way is looked for in longer steps of the integrator, whose error where it begins is taken off. The usual steps say
-whether it has led elsewhere; then the fit goes on in them. The Jacobian comes from one batch of predictions. Blocks of
-the normal equations are kept, so that cross-validation costs one linear solve per block instead of a refit.
+whether it has led elsewhere; then the fit goes on in them. The Jacobian comes from one batch of predictions.
 """
 
 from __future__ import annotations
@@ -23,8 +22,6 @@ from er_model_lab.problem.subset import MANY
 
 FIRST_ITERATIONS = 10
 """Iterations every candidate gets before the best are fitted to the end."""
-DOUBTFUL = 1.1
-"""Mean square without each block, over that of the fit, above which a straight line is not believed."""
 DAMPINGS = (0.1, 1.0, 10.0)
 """Multiples of the damping that are tried at once."""
 AWAY = 2e-3
@@ -33,16 +30,12 @@ DAMPING = ("passive", "c0")
 """The damping of the damper itself, of which some effects beside it need a little (`Effect.damped`)."""
 LOOKS = 3
 """Ways in longer steps, each near where the one before it ended, of a fit that is only to be ranked."""
-SETTLING = 3
-"""Most steps of a fit that settles with the derivatives it has."""
 DAMPED = 1e-3
 """Damping where a straight line is believed whatever it is worth: what hardly moves the force goes nowhere."""
-NOTHING = 1e-9
-"""A parameter that moves the force by so small a share of the strongest one is not told by the data."""
+SETTLING = 3
+"""Most steps of a fit that settles with the derivatives it has."""
 PEAK, RARE, LONGER = 30.0, 1e-3, 10.0
 """A derivative so many times that of all but this share of the rows is looked at over a step so much longer."""
-SHARES = np.array([0.1, 0.3])
-"""Shares of a step that are tried, beside all and none of it, where it is not."""
 AS_TOLD = 0.9
 """Share of the fall that a straight line promises from which on the least damping is right where equations are smooth.
 """
@@ -452,133 +445,6 @@ def _trials(h: Array, g: Array, theta: Array, box: Box, damping: float) -> Array
         limit = 5.0 * np.maximum(np.abs(theta), box.size)
         points.append(np.clip(theta + np.clip(step, -limit, limit), box.low, box.high))
     return np.array(points)
-
-
-def cross_validated(
-    fitted: Fit, problem: Problem, *, straight: bool = False
-) -> tuple[Array, Array]:
-    """Residual (n,) predicted without each block, and mean squared error per block (blocks,).
-
-    One Gauss-Newton step from the full fit leaves a block out: (H - H_b) d = g - g_b. Where the straight line
-    of that step would rather be a jump (a gap that closes, a void that collapses), the model itself predicts
-    the block, from as much of the step as lowers the error of the other blocks. Refinements stay as they are then: the
-    few blocks that show them would be held against the effect. straight: the line is believed. Where a record's states
-    begin is told by its own samples: the error is raised by what each such number gains by chance.
-    """
-    steps = _leaving_out(fitted, problem, damping=DAMPED if straight else 0.0)
-    r, j = fitted.residual.copy(), fitted.jacobian
-    blocks = range(int(problem.fold.max()) + 1)
-    for b in blocks:
-        rows = problem.fold == b
-        r[rows] = fitted.residual[rows] - j[rows] @ steps[b]
-    train = problem.train
-    if not straight and np.mean(r[train] ** 2) > DOUBTFUL * fitted.mse(train):
-        r = _truly_left_out(fitted, problem, _leaving_out(fitted, problem, refined=False))
-    told, n = problem.forward.beginnings(problem, fitted.model), int(train.sum())
-    r[train] *= np.sqrt((n + told) / max(n - told, 1.0))
-    losses = [float(np.mean(r[problem.fold == b] ** 2)) for b in blocks]
-    return r, np.array(losses)
-
-
-def _leaving_out(
-    fitted: Fit, problem: Problem, *, refined: bool = True, damping: float = 0.0
-) -> Array:
-    """Change of the scaled parameters (blocks, p) when a block is left out; refined: of refinements, too.
-
-    damping: share of their curvature by which they are held.
-    """
-    catalogue = fitted.model.catalogue
-    form = [catalogue[e].parameter(q).optional for e, q in fitted.free]
-    inner = ~fitted.at_bound & (refined | ~np.array(form, bool))
-    j_all, train = fitted.jacobian[:, inner], problem.train
-    h = j_all[train].T @ j_all[train]
-    ridge = 1e-10 * np.trace(h) / max(h.shape[0], 1) * np.eye(h.shape[0])
-    held = ridge + damping * np.diag(np.diag(h))
-    g = j_all[train].T @ fitted.residual[train]
-    steps = np.zeros((int(problem.fold.max()) + 1, inner.size))
-    for b in range(steps.shape[0]):
-        rows = problem.fold == b
-        j, e = j_all[rows], fitted.residual[rows]
-        if j.shape[1]:
-            steps[b, inner] = np.linalg.solve(h - j.T @ j + held, g - j.T @ e)
-    return steps
-
-
-def _truly_left_out(fitted: Fit, problem: Problem, steps: Array) -> Array:
-    """Residual (n,) predicted by the model itself without each block."""
-    box = Box(fitted.model, fitted.free, problem.scales, problem.forward.limits)
-    r, train = fitted.residual.copy(), problem.train
-    near = about(fitted, problem).begun(fitted.model)
-
-    def moved(shares: Array, step: Array) -> Array:
-        points = np.clip(fitted.theta + np.multiply.outer(shares, step), box.low, box.high)
-        return problem.force - near.predict_many(box.model, box.vectors(points))
-
-    for b in range(steps.shape[0]):
-        rows, others = problem.fold == b, train & (problem.fold != b)
-        left = np.concatenate([fitted.residual[None], moved(np.ones(1), steps[b])])
-        straight = fitted.residual[others] - fitted.jacobian[others] @ steps[b]
-        here, there = mean_square(left[0, others]), mean_square(left[1, others])
-        if not here - there > NEAR * (here - mean_square(straight)):
-            left = np.concatenate([left, moved(SHARES, steps[b])])
-        rest = [mean_square(each) for each in left[:, others]]
-        r[rows] = left[int(np.argmin(rest)), rows]
-    return r
-
-
-def widths(fitted: Fit) -> Array:
-    """How far values (p,) may lie from where they are before any data: as much as they are large; scaled."""
-    catalogue = fitted.model.catalogue
-    sizes = np.array([catalogue[e].parameter(q).size for e, q in fitted.free])
-    return np.asarray(np.maximum(np.abs(fitted.theta), sizes))
-
-
-def covariance(fitted: Fit, problem: Problem, wide: Array | None = None) -> Array:
-    """Covariance (p, p) of the parameters [SI], robust to correlated errors: sandwich over one-second blocks.
-
-    Values that make up for each other wholly (a share and the width of a play between two levels) are known no better
-    than before the data: to `wide` (p,), scaled, or `widths`. NaN where the model predicts no numbers.
-    """
-    train = np.flatnonzero(problem.train)
-    inner = np.flatnonzero(~fitted.at_bound)
-    j, r = fitted.jacobian[train][:, inner], fitted.residual[train]
-    left = mean_square(r)
-    if not np.isfinite(left):
-        return np.full((fitted.theta.size,) * 2, np.nan)
-    wide = widths(fitted) if wide is None else wide
-    before = np.diag(left / wide[inner] ** 2)
-    inverse = np.linalg.pinv(j.T @ j + before, rcond=1e-15)
-    length = problem.second
-    blocks = train // length
-    edges = np.flatnonzero(np.diff(blocks)) + 1
-    scores = np.add.reduceat(j * r[:, None], np.concatenate([[0], edges]), axis=0)
-    m = scores.shape[0]
-    meat = scores.T @ scores * (m / max(m - inner.size, 1)) + before * left
-    out = np.full((fitted.theta.size,) * 2, np.nan)
-    out[np.ix_(inner, inner)] = (
-        inverse @ meat @ inverse * np.outer(fitted.scale[inner], fitted.scale[inner])
-    )
-    return out
-
-
-def standard_deviations(fitted: Fit, problem: Problem) -> Array:
-    """Standard deviations (p,) of the parameters [SI]; infinite where the data say nothing."""
-    variance = np.diag(covariance(fitted, problem))
-    size = np.linalg.norm(
-        fitted.jacobian[problem.train], axis=0
-    )  # the pseudo-inverse calls what moves nothing exact
-    told = (variance >= 0.0) & (size > NOTHING * size.max(initial=0.0))
-    return np.asarray(np.sqrt(np.where(told, variance, np.inf)))
-
-
-def with_deviations(fitted: Fit, problem: Problem) -> Model:
-    """The fitted model with standard deviations; one that was summed up has them."""
-    if not fitted.columns[0].shape[0]:
-        return fitted.model
-    deviations = {k: dict(v) for k, v in fitted.model.deviations.items()}
-    for (effect, name), sd in zip(fitted.free, standard_deviations(fitted, problem), strict=True):
-        deviations.setdefault(effect, {})[name] = float(sd)
-    return replace(fitted.model, deviations=deviations)
 
 
 def summed_up(fitted: Fit, model: Model) -> Fit:

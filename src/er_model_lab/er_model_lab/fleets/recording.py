@@ -15,7 +15,8 @@ from er_records.provenance import content_digest
 from er_records.record import Record
 
 from er_model_lab.diagnosis.candidates import baseline
-from er_model_lab.fitting.fit import Fit, with_deviations
+from er_model_lab.fitting.deviations import with_deviations
+from er_model_lab.fitting.fit import Fit
 from er_model_lab.fitting.velocity_channel import as_searched
 from er_model_lab.fleets.asked import Asked
 from er_model_lab.fleets.places import content, local

@@ -15,7 +15,8 @@ from er_models.prediction import predict_many
 from er_models.sensitivity import steps
 from scipy.optimize import least_squares
 
-from er_model_lab.fitting.fit import Box, Fit, covariance
+from er_model_lab.fitting.deviations import covariance
+from er_model_lab.fitting.fit import Box, Fit
 from er_model_lab.identification.part import among, records_of
 from er_model_lab.identification.stretches import Level
 from er_model_lab.problem.forward import Free

@@ -10,8 +10,8 @@ from er_models.effect import arguments
 from er_models.model import Array, Model
 from er_records.dataset import Dataset
 
+from er_model_lab.fitting.deviations import with_deviations
 from er_model_lab.fitting.envelope import with_unfelt
-from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.fitting.velocity_channel import put_back
 from er_model_lab.identification.law import Quadratic, quadratic
 from er_model_lab.identification.levels import Table

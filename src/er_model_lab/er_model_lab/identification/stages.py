@@ -9,7 +9,8 @@ import numpy as np
 from er_models.model import Model
 
 from er_model_lab.diagnosis.starts import starts
-from er_model_lab.fitting.fit import Box, Fit, fit, with_deviations
+from er_model_lab.fitting.deviations import with_deviations
+from er_model_lab.fitting.fit import Box, Fit, fit
 from er_model_lab.identification.law import follow_table
 from er_model_lab.identification.levels import Table, response_times
 from er_model_lab.identification.part import among, only

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from er_models.model import Array
 
-from er_model_lab.fitting.fit import Box, Fit, covariance
+from er_model_lab.fitting.deviations import covariance
+from er_model_lab.fitting.fit import Box, Fit
 from er_model_lab.problem.forward import Free
 from er_model_lab.problem.problem import Problem
 

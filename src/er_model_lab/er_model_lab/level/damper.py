@@ -26,8 +26,8 @@ from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.diagnosis.verdict import decide
 from er_model_lab.fitting.data_reach import beyond
+from er_model_lab.fitting.deviations import with_deviations
 from er_model_lab.fitting.envelope import with_unfelt
-from er_model_lab.fitting.fit import with_deviations
 from er_model_lab.fitting.velocity_channel import (
     KINEMATIC,
     as_searched,

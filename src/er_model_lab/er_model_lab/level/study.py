@@ -10,7 +10,8 @@ from er_records.dataset import Dataset
 from er_model_lab.diagnosis import decisive_round
 from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.found import Diagnosis
-from er_model_lab.fitting.fit import summed_up, with_deviations
+from er_model_lab.fitting.deviations import with_deviations
+from er_model_lab.fitting.fit import summed_up
 from er_model_lab.fitting.velocity_channel import as_searched
 from er_model_lab.problem.problem import Problem
 from er_model_lab.span.check import Checked

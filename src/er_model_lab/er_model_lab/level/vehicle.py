@@ -10,8 +10,9 @@ from er_models.model import Model
 from er_records.dataset import Dataset
 
 from er_model_lab.diagnosis.investigation import one_effect, search_effects
+from er_model_lab.fitting.deviations import with_deviations
 from er_model_lab.fitting.envelope import with_unfelt
-from er_model_lab.fitting.fit import fit, with_deviations
+from er_model_lab.fitting.fit import fit
 from er_model_lab.level.car_outputs import after, as_given, confounded, white
 from er_model_lab.level.level import Judged, Question
 from er_model_lab.level.study import Opened, Study

@@ -13,7 +13,8 @@ from er_records.record import Record
 
 from er_model_lab.diagnosis.candidates import Candidate, baseline, refit
 from er_model_lab.diagnosis.null import simulate_null
-from er_model_lab.diagnosis.search import nested, passes, threshold, tied
+from er_model_lab.diagnosis.passing import passes, threshold
+from er_model_lab.diagnosis.ties import nested, tied
 from er_model_lab.motion.fuse import channels_of, fuse
 from er_model_lab.planning.limits import Sensors
 from er_model_lab.planning.question import Question

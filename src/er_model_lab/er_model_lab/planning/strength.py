@@ -20,7 +20,7 @@ from er_models.scales import Scales
 
 from er_model_lab.diagnosis.candidates import baseline, effect_size, refit
 from er_model_lab.diagnosis.rule import RULE
-from er_model_lab.fitting.fit import with_deviations
+from er_model_lab.fitting.deviations import with_deviations
 from er_model_lab.planning.limits import Sensors
 from er_model_lab.planning.linear import design, left, triangle
 from er_model_lab.planning.question import Question

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.diagnosis.rule import BAND
-from er_model_lab.fitting.fit import cross_validated
+from er_model_lab.fitting.cross_validation import cross_validated
 from er_model_lab.problem.problem import Problem
 from er_model_lab.results.result import DiagnosisResult, with_notes
 

@@ -13,7 +13,7 @@ from er_model_lab.diagnosis.decisive_round import told
 from er_model_lab.diagnosis.evidence import shares
 from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.diagnosis.search import Round, close, taken_in
-from er_model_lab.fitting.fit import with_deviations
+from er_model_lab.fitting.deviations import with_deviations
 from er_model_lab.level.study import Study
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors

@@ -8,8 +8,9 @@ from typing import Protocol
 from er_models.model import Array, Model
 from er_records.dataset import Dataset
 
+from er_model_lab.fitting.deviations import with_deviations
 from er_model_lab.fitting.estimate import estimated
-from er_model_lab.fitting.fit import Fit, fit, with_deviations
+from er_model_lab.fitting.fit import Fit, fit
 from er_model_lab.problem.problem import Problem
 from er_model_lab.span.check import Checked, checked
 from er_model_lab.span.whole_record import WholeRecords, on_whole, remembers

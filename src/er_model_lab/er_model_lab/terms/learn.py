@@ -11,8 +11,10 @@ from er_models.model import Array, Model
 from numpy.typing import NDArray
 
 from er_model_lab.diagnosis.candidates import Candidate, effect_size
-from er_model_lab.diagnosis.search import DOUBT, NEARLY_ALL, harmless, paired_t
-from er_model_lab.fitting.fit import SHARES, Box, Fit, fit
+from er_model_lab.diagnosis.passing import NEARLY_ALL, harmless, paired_t
+from er_model_lab.diagnosis.ties import DOUBT
+from er_model_lab.fitting.cross_validation import SHARES
+from er_model_lab.fitting.fit import Box, Fit, fit
 from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import errors
 from er_model_lab.terms.regression import Normal
