@@ -45,6 +45,16 @@ def test_converges_with_second_order() -> None:
     assert 3.5 < e[1] / e[2] < 4.6
 
 
+@pytest.mark.parametrize("r", [0.2, 3.0])
+def test_a_pace_that_hangs_on_the_yield_force_needs_no_search(r: float) -> None:
+    """Half the step, a quarter of the error but for where the pace turns within a step."""
+    model = wide(guo()).with_effect("rise_fall_asymmetry", {"r": r})
+    assert model.compiled().links.size == 0
+    e = errors(model, (5e-3, 2.5e-3, 1.25e-3, 6.25e-4))
+    assert e[0] / e[3] > 2.8**3
+    assert e[3] < 3e-4
+
+
 @pytest.mark.parametrize("name", STATES)
 def test_error_at_200_hz_with_every_state(name: str) -> None:
     (error,) = errors(typical(guo(), guo().catalogue[name]), (prediction.SUBSTEP,))

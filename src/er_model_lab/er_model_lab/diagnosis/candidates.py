@@ -204,7 +204,8 @@ def refit(
         fitted = on_all(base, begun, about(base.fit, problem, ROUGH), 0 if hopeless else max_iter)
         fitted = fitted if hopeless else settled(fitted, problem)
     else:
-        fitted = gone_on_here(base, begun, seen, problem, 0 if hopeless else max_iter)
+        idle = hopeless or not begun.iterations
+        fitted = gone_on_here(base, begun, seen, problem, 0 if idle else max_iter)
     names, ranked = (*base.effects, effect.name), hopeless or few is not None
     found = cross_judged(names, fitted, problem, seen.kept, seen.reach, straight=hopeless)
     return replace(found, ranked=ranked)
