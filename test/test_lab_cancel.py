@@ -5,7 +5,7 @@ import time
 from contextlib import suppress
 
 import pytest
-from er_model_lab.diagnosis.candidates import TRYING
+from er_model_lab.diagnosis.ranking import TRYING
 
 import er_model_lab as lab
 from test.sample import with_friction, write_ride, write_sample

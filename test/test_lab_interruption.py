@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 from er_model_lab.cli import app, missing, running
 from er_model_lab.diagnosis import evidence, investigation
-from er_model_lab.diagnosis.candidates import TRYING, baseline, refit
+from er_model_lab.diagnosis.candidates import baseline, refit
+from er_model_lab.diagnosis.ranking import TRYING
 from er_model_lab.fitting import fit
 from er_model_lab.level.damper import opened
 from er_model_lab.problem.fit_store import packed, unpacked

@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from er_model_lab.diagnosis.candidates import baseline, effect_size, refit_all
+from er_model_lab.diagnosis.candidates import baseline, effect_size
 from er_model_lab.diagnosis.null import simulate_null
 from er_model_lab.diagnosis.passing import passes, threshold
+from er_model_lab.diagnosis.ranking import refit_all
 from er_model_lab.diagnosis.rule import RULE, Rule
 from er_model_lab.fitting.velocity_channel import on_fused
 from er_model_lab.level.damper import opened

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from er_model_lab.diagnosis import search, special_cases
-from er_model_lab.diagnosis.candidates import baseline, refit
+from er_model_lab.diagnosis.candidates import baseline, effect_size, refit
 from er_model_lab.diagnosis.null import Null
 from er_model_lab.diagnosis.passing import momentary
 from er_model_lab.diagnosis.rule import RULE
-from er_model_lab.diagnosis.search import Round, decided, effect_size
+from er_model_lab.diagnosis.search import Round, decided
 from er_model_lab.diagnosis.special_cases import as_one, plain
 from lab_help import problem_of
 
