@@ -47,15 +47,15 @@ FOREIGN = 0.25
 A_LOOK = 4
 """Iterations that every candidate gets, of many runs on stretches of them; those that may win go on."""
 STARTS, UNSCALED = 3, 2
-"""From how many starts an effect is fitted to stretches: the one that promises most in a straight line may lead astray.
-And from how many at least where no amplitude switches it on, so that a straight line promises little."""
+"""From how many starts an effect is fitted that may win, and every one to stretches: what promises most in a straight
+line may lead astray. And from how many at least where no amplitude switches it on, so that a line promises little."""
 GLANCE, GO_ON, LOST = 1, 3, 2.0
 """Iterations that each model gets in which another effect hands its play over, how many of them go on, and the multiple
 of the error before from which on none does."""
 BEYOND = 1e6
 """Change of a prediction, over the largest force, from which on it has lost all measure."""
 HOPE = 1.2
-"""Mean square, over a target, up to which a fit to stretches may still reach it on all runs."""
+"""Mean square, over a target, up to which a sketch, or a fit to stretches, may still reach it in the end."""
 NOTHING = 1e-6
 """Mean square that a straight line gains, over what is left, below which an effect changes nothing."""
 
@@ -242,13 +242,11 @@ def gone_on_here(
     """
     if not max_iter:
         return fit(begun.model, problem, known=base.fit.jacobian, max_iter=0)
-    fits, catalogue = (
-        [fit(begun.model, problem, max_iter=max_iter, looks=LOOKS)],
-        begun.model.catalogue,
-    )
-    for name in begun.model.effects.keys() - base.fit.model.effects.keys():
-        if is_gap(catalogue[name]):
-            grown, known = base.fit.model.with_effect(name, seen.points[0]), base.fit.jacobian
+    before, known = base.fit.model, base.fit.jacobian
+    fits = [fit(begun.model, problem, max_iter=max_iter, looks=LOOKS)]
+    for name in begun.model.effects.keys() - before.effects.keys():
+        if is_gap(begun.model.catalogue[name]):
+            grown = before.with_effect(name, seen.points[0])
             fits.append(fit(grown, problem, known=known, max_iter=max_iter, looks=LOOKS))
     return min(fits, key=lambda f: f.mse(problem.train))
 

@@ -267,7 +267,7 @@ def exchanged(
 ) -> Candidate:
     """A model with another effect in the place of the one that was taken out.
 
-    target: mean square [N2] that it must promise on stretches of many runs to be fitted to the end.
+    target: mean square [N2] that a sketch, of many runs on stretches, must promise to be fitted to the end.
     """
     effect = rest.fit.model.catalogue[name]
     found = chosen_among(refit(rest, effect, problem, max_iter=20, target=target), problem)
