@@ -103,9 +103,11 @@ def test_a_form_is_fitted_to_its_end_before_its_special_case_is_named(monkeypatc
     mount = refit(base, base.fit.model.catalogue["mount_compliance"], problem)
     short = replace(mount, effects=whole.effects)
     null = Null(np.zeros(0), 0.0, 1.0, 0.0, np.zeros(0))
-    monkeypatch.setattr(
-        search, "chosen_among", lambda c, _: whole if c.effects == whole.effects else c
-    )
+
+    def closer(which, _, among):
+        return whole if among[which].effects == whole.effects else among[which]
+
+    monkeypatch.setattr(search, "for_a_choice", closer)
     step = decided(base, [mount, short], null, problem, RULE)
     assert step.taken is whole
     assert step.candidates[0] is whole

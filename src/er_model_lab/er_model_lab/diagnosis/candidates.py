@@ -277,7 +277,8 @@ def sketched(
     first = seen.points[: 1 if also else usual]
     others = [p for p in of_each_form(effect, seen.points) if p not in first]
     fits = [begun(grown(values)) for values in (*also, *first, *others)]
-    models = handed_over(base.fit.model, effect, problem)
+    # beside what was there when the effect was tried before, no play is handed over again
+    models = handed_over(base.fit.model, effect, problem, base.effects[-1:] if also else None)
     looks = [begun(m, None, GLANCE) for m in models]
     near = [f for f in looks if f.mse(problem.train) < LOST**2 * left]
     hopeful = sorted(near, key=lambda f: f.mse(problem.train))[:GO_ON]

@@ -222,7 +222,8 @@ def _grow(
         best = step.taken
     explained = (first.base.mse - best.mse) / max(first.base.mse - floor.floor**2, 1e-300)
     if (
-        explained < ENOUGH
+        not rule.small_steps
+        and explained < ENOUGH
         and explained >= 0.0
         and len(best.effects) < 2
         and floor.explained > VISIBLE

@@ -10,10 +10,11 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 from er_models.model import Model
 
-from er_model_lab.diagnosis.candidates import Candidate, cross_judged, effect_size
+from er_model_lab.diagnosis.candidates import Candidate
 from er_model_lab.diagnosis.ranking import FINALISTS
 from er_model_lab.fitting.deviations import standard_deviations
-from er_model_lab.fitting.fit import FIRST_ITERATIONS, fit
+from er_model_lab.fitting.fit import FIRST_ITERATIONS, fit, mean_square
+from er_model_lab.problem.forward import Free
 from er_model_lab.problem.problem import Problem
 
 CERTAIN = 2.0
@@ -26,6 +27,8 @@ Place = tuple[str, str]
 """An effect, and one of its parameters."""
 Other = tuple[str, Mapping[str, float]]
 """An effect and its values [SI]."""
+Trade = tuple[Model, Free]
+"""A model with one effect in the place of another's refinement, and what of it is fitted."""
 
 
 def stands_in(
@@ -33,14 +36,14 @@ def stands_in(
 ) -> bool:
     """Whether a refinement of what a round takes stands for another effect, of one parameter, that is missing.
 
-    Both have as many parameters then; the other effect in the refinement's place leaves less by more than the limit
-    [N]. able: what passes, best first.
+    Both have as many parameters then, so that the fits alone compare; the other effect in the refinement's place leaves
+    less by more than the limit [N]. able: what passes, best first.
     """
     catalogue = base.fit.model.catalogue
     plain = [c for c in able if c is not taken and len(catalogue[c.name].parameters) == 1]
-    trades = [(own_values(c), q) for q in refined(taken, problem) for c in plain[:FINALISTS]]
-    trials = problem.each(_traded, trades, taken) if trades else []
-    return any(effect_size(taken, c) > limit for c in trials)
+    places = refined(taken, problem) if plain else []
+    trades = [_traded(taken, own_values(c), q, problem) for q in places for c in plain[:FINALISTS]]
+    return _gains(trades, taken, problem, limit**2, limit)
 
 
 def makes_up(kept: Candidate, without: Candidate, problem: Problem, limit: float) -> bool:
@@ -55,9 +58,8 @@ def makes_up(kept: Candidate, without: Candidate, problem: Problem, limit: float
         return False
     used = refined(without, problem, without.fit.model.effects)
     places = [q for q in used if _use(kept, q) < MORE * _use(without, q)]
-    trades = [((gone, model.effects[gone]), place) for place in places]
-    trials = problem.each(_traded, trades, without) if trades else []
-    return any(effect_size(c, without) <= limit for c in trials)
+    trades = [_traded(without, (gone, model.effects[gone]), q, problem) for q in places]
+    return _gains(trades, without, problem, -(limit**2), limit)
 
 
 def refined(
@@ -94,12 +96,38 @@ def own_values(candidate: Candidate) -> Other:
     return candidate.name, candidate.fit.model.effects[candidate.name]
 
 
-def _traded(trade: tuple[Other, Place], problem: Problem, taken: Candidate) -> Candidate:
-    """A candidate with a refinement that does nothing, and another effect beside; refitted."""
-    (other, values), (name, refinement) = trade
-    model = taken.fit.model
-    idle = {**model.effects[name], refinement: _neutral(model, (name, refinement))}
-    grown = model.with_effect(name, idle).with_effect(other, values)
-    free = tuple(f for f in problem.forward.free(grown) if f != (name, refinement))
-    found = fit(grown, problem, free, max_iter=FIRST_ITERATIONS)
-    return cross_judged((*taken.effects, other), found, problem)
+def _traded(taken: Candidate, other: Other, place: Place, problem: Problem) -> Trade:
+    """The model of a candidate with a refinement that does nothing, and another effect beside; what of it is fitted."""
+    (name, refinement), model = place, taken.fit.model
+    idle = {**model.effects[name], refinement: _neutral(model, place)}
+    grown = model.with_effect(name, idle).with_effect(*other)
+    return grown, tuple(f for f in problem.forward.free(grown) if f != place)
+
+
+def _gains(
+    trades: list[Trade], beside: Candidate, problem: Problem, least: float, limit: float
+) -> bool:
+    """Whether a trade leaves less than a candidate, by more than a mean square [N2], which may be negative.
+
+    Of many runs stretches rule out what falls short there, too, by more than the limit [N]; a fit to them alone leaves
+    less of them than one to all.
+    """
+    few = problem.practice
+    if few and trades:
+        here = mean_square(beside.fit.residual[few.rows][few.problem.train])
+        begun = few.problem.each(_left_by, trades)
+        near = [here - mse > least - limit**2 for _, mse in begun]
+        trades = [
+            (model, free)
+            for (model, _), (_, free), able in zip(begun, trades, near, strict=True)
+            if able
+        ]
+    left = problem.each(_left_by, trades) if trades else []
+    return any(beside.seen - mse > least for _, mse in left)
+
+
+def _left_by(trade: Trade, problem: Problem) -> tuple[Model, float]:
+    """A trade, fitted, and the mean square that it leaves [N2]."""
+    model, free = trade
+    found = fit(model, problem, free, max_iter=FIRST_ITERATIONS, sketch=True)
+    return found.model, found.mse(problem.train)

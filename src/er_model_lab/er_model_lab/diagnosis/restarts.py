@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -38,8 +38,12 @@ def restarts(model: Model, problem: Problem, names: Sequence[str]) -> list[Model
     ]
 
 
-def handed_over(model: Model, effect: Effect, problem: Problem) -> list[Model]:
+def handed_over(
+    model: Model, effect: Effect, problem: Problem, names: Collection[str] | None = None
+) -> list[Model]:
     """The model with one effect more beside another one that has a play; empty where there is none.
+
+    names: of the effects of the model that may be the other one, all by default.
 
     A friction behind a gap is first met by an effect that has a play of its own. Where all of the damper is behind the
     gap, a fit does not get from the one to the other: the gap takes the play over. Where the gap is there already, the
@@ -47,11 +51,12 @@ def handed_over(model: Model, effect: Effect, problem: Problem) -> list[Model]:
     """
     if not play(effect):
         return []
+    names = model.effects if names is None else names
     if not is_gap(effect):
-        return _without_play(model, effect, problem)
+        return _without_play(model, effect, problem, names)
     gap, first, found = effect.parameters[0].name, starts(effect, problem)[0], list[Model]()
-    for name, values in model.effects.items():
-        held = model.catalogue[name]
+    for name in names:
+        held, values = model.catalogue[name], model.effects[name]
         own = play(held)
         if not own:
             continue
@@ -65,9 +70,11 @@ def handed_over(model: Model, effect: Effect, problem: Problem) -> list[Model]:
     return found
 
 
-def _without_play(model: Model, effect: Effect, problem: Problem) -> list[Model]:
-    """The model with an effect more whose own play is none; empty where the model has no gap."""
-    each = [model.catalogue[n] for n in model.effects]
+def _without_play(
+    model: Model, effect: Effect, problem: Problem, names: Collection[str]
+) -> list[Model]:
+    """The model with an effect more whose own play is none; empty where none of these of its effects is a gap."""
+    each = [model.catalogue[n] for n in names]
     if not any(is_gap(e) and play(e) for e in each):
         return []
     points = _once([{**p, play(effect): 0.0} for p in starts(effect, problem)])

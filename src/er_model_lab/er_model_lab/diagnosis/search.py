@@ -13,6 +13,7 @@ from er_model_lab.diagnosis.candidates import (
     chosen_among,
     effect_size,
     finished,
+    for_a_choice,
     left_without,
     refit,
     roughly_without,
@@ -99,7 +100,8 @@ def decided(
         if able:
             null, limit = bare, of_noise
     refined = [c for c in able if not far_better(base, c, able, limit)]
-    ended = {c.name: chosen_among(c, problem) for c in refined}
+    closer = problem.each(for_a_choice, range(len(refined)), refined) if refined else []
+    ended = {c.name: c for c in closer}
     candidates, able = (
         sorted((ended.get(c.name, c) for c in some), key=lambda c: c.left)
         for some in (candidates, able)
