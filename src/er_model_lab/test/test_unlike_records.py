@@ -95,10 +95,10 @@ def test_one_direction_is_enough_where_the_other_was_driven_at_other_speeds():
 
 def test_no_effect_is_named_or_added_for_it():
     model = load_model(GUO)
-    data = Dataset.of(records(lambda k, _, force: force + 100.0 * k))
+    data = Dataset.of(records(lambda k, _, force: force + 100.0 * (k == 1)))
     result = lab.improve(data, model, seed=1)
     assert (result.verdict, list(result.effects)) == ("insufficient_data", [])
-    assert "is 200 N above" in result.to_dict()["coverage"]["unlike"]
+    assert "force of run1 is 100 N above" in result.to_dict()["coverage"]["unlike"]
     assert result.to_dict()["coverage"]["unlike"] in result.to_dict()["reasons"]
     assert result.model.effects == model.effects
     other = lab.diagnose(
