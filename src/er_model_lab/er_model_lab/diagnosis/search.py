@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from er_model_lab.diagnosis.candidates import (
+    HOPE,
     Candidate,
     chosen_among,
     effect_size,
@@ -269,10 +270,12 @@ def exchanged(
 ) -> Candidate:
     """A model with another effect in the place of the one that was taken out.
 
-    target: mean square [N2] that a sketch, of many runs on stretches, must promise to be fitted to the end.
+    target: mean square [N2] that a sketch must promise to be fitted to the end; else it is judged where that has led.
     """
     effect = rest.fit.model.catalogue[name]
-    found = chosen_among(refit(rest, effect, problem, max_iter=20, target=target), problem)
+    found = refit(rest, effect, problem, max_iter=20, target=target)
+    if found.left <= HOPE * target:
+        found = chosen_among(found, problem)
     return replace(found, effects=(*rest.effects[:place], name, *rest.effects[place:]))
 
 
