@@ -189,6 +189,19 @@ def test_whether_the_force_was_read_before_or_after_a_jump_of_the_duty_is_no_lag
     assert not problem.used[jumps].any()
 
 
+def test_what_cannot_take_the_place_of_an_effect_is_not_looked_at_more_closely(monkeypatch):
+    model, problem = problem_of("coulomb_friction", {"F_c": 0.5, "v_0": 0.003}, seed=5)
+    rest = baseline(model, problem)
+    right = refit(rest, model.catalogue["coulomb_friction"], problem)
+    rest, closer = replace(rest, effects=("coulomb_friction",)), []
+    monkeypatch.setattr(search, "chosen_among", lambda c, _: closer.append(c.name) or c)
+    for name in ("coulomb_friction", "end_stop"):
+        search.exchanged(name, problem, rest, 0, right.left)
+    assert closer == ["coulomb_friction"]
+    search.exchanged("end_stop", problem, rest, 0)
+    assert closer == ["coulomb_friction", "end_stop"]
+
+
 def test_a_parameter_that_one_block_alone_shows_is_no_chance_of_a_huge_effect():
     model, problem = problem_of(None, {}, seed=6)
     base = baseline(model, problem)
