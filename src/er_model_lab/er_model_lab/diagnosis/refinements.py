@@ -116,18 +116,13 @@ def _gains(
     if few and trades:
         here = mean_square(beside.fit.residual[few.rows][few.problem.train])
         begun = few.problem.each(_left_by, trades)
-        near = [here - mse > least - limit**2 for _, mse in begun]
-        trades = [
-            (model, free)
-            for (model, _), (_, free), able in zip(begun, trades, near, strict=True)
-            if able
-        ]
+        trades = [trade for trade, mse in begun if here - mse > least - limit**2]
     left = problem.each(_left_by, trades) if trades else []
     return any(beside.seen - mse > least for _, mse in left)
 
 
-def _left_by(trade: Trade, problem: Problem) -> tuple[Model, float]:
+def _left_by(trade: Trade, problem: Problem) -> tuple[Trade, float]:
     """A trade, fitted, and the mean square that it leaves [N2]."""
     model, free = trade
     found = fit(model, problem, free, max_iter=FIRST_ITERATIONS, sketch=True)
-    return found.model, found.mse(problem.train)
+    return (found.model, free), found.mse(problem.train)
