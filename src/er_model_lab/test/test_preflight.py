@@ -190,6 +190,26 @@ def test_a_coarse_converter_is_neither_held_nor_clipped(sound):
     assert bad(with_(sound, **coarse)) == []
 
 
+def test_rest_of_a_coarse_converter_is_no_clipping_where_uneven_times_were_made_even(tmp_path):
+    """Between two samples the resampled encoder moves by less than its step."""
+    rng = np.random.default_rng(2)
+    t = np.cumsum(DT * rng.uniform(0.7, 1.3, 4000))
+    x = np.tanh(2.5 * np.sin(2.0 * np.pi * 0.4 * t) - 0.2)
+    force = 40.0 * np.gradient(x, t) + 10.0 * np.sin(9.0 * t) + rng.normal(0.0, 0.5, t.size)
+    columns = {"t": t, "deflection": np.round(x / 0.004) * 2e-4, "damper_force": force}
+    path = tmp_path / "run.csv"
+    np.savetxt(
+        path,
+        np.column_stack([*columns.values()]),
+        delimiter=",",
+        header=",".join(columns),
+        comments="",
+    )
+    (record,) = load([path])
+    assert "resampled" in " ".join(record.notes)
+    assert "clipping" not in {f.check for f in findings(record) if f.level != "ok"}
+
+
 def test_a_flat_top_that_noise_breaks_into_short_runs_is_clipped_as_a_whole():
     """At 10 kHz the force crosses the end of a load cell's range often before it stays there."""
     t = np.arange(60_000) * 1e-4

@@ -30,6 +30,8 @@ ALIVE = 0.01
 """Share of its range by which another channel must move in a run that is called clipped."""
 LONE = 10
 """Samples of a single run from which on it is no chance."""
+RESTS = 10
+"""Values at which a channel rests from which on their distance tells the step of its converter."""
 USUAL, UNUSUAL = 0.99, 5.0
 """Share of the runs of a channel that are usual, and how much longer one is that it hung in."""
 STUCK_FAIL = 0.2
@@ -174,7 +176,8 @@ def clipped(y: Array, others: list[Array]) -> NDArray[np.bool_]:
     moves = steps[steps > 0.0]
     if not moves.size:
         return top
-    quantum, found = float(moves.min()), runs(y)
+    found = runs(y)
+    quantum = max(float(moves.min()), _between_rests(y[found.first]))
     low, high = float(y.min()), float(y.max())
     runs_at = {
         e: (y[found.first] == e) & (found.length >= 3) & (found.first > 0) for e in (low, high)
@@ -192,6 +195,12 @@ def clipped(y: Array, others: list[Array]) -> NDArray[np.bool_]:
             for i, n in zip(first, length, strict=True):
                 top[i : i + n] = True
     return top
+
+
+def _between_rests(values: Array) -> float:
+    """Least distance of the values of runs (n,), 0 of few: a converter's step, which resampling leaves to these."""
+    different = np.unique(values)
+    return float(np.diff(different).min()) if different.size >= RESTS else 0.0
 
 
 def hung(y: Array, others: list[Array], dt: float) -> NDArray[np.bool_]:
