@@ -3,6 +3,7 @@
 import ast
 import subprocess
 import sys
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 
@@ -47,9 +48,10 @@ def modules():
             yield package, path
 
 
+@cache
 def imports(path):
     """What a file imports: modules, and names taken from them, which may be modules; those that a text names too."""
-    return imports_of(ast.parse(path.read_text(encoding="utf-8")))
+    return (*imports_of(ast.parse(path.read_text(encoding="utf-8"))),)
 
 
 def imports_of(tree):

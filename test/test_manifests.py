@@ -7,6 +7,8 @@ import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from functools import cache
 from graphlib import TopologicalSorter
 from importlib.metadata import packages_distributions
 from itertools import chain
@@ -83,15 +85,27 @@ def imported(package: str, *, pure: bool = False) -> dict[str, Path]:
     for path in sorted(folder.rglob("*.py")):
         if pure and (is_ros_file(path) or path.name in STARTERS | FINDERS):
             continue
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            names = []
-            if isinstance(node, ast.Import):
-                names = [name.name for name in node.names]
-            elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
-                names = [node.module]
-            for name in names:
-                found.setdefault(name.split(".")[0], path.relative_to(ROOT))
+        for name in imported_by(path):
+            found.setdefault(name.split(".")[0], path.relative_to(ROOT))
     return {k: v for k, v in found.items() if k not in sys.stdlib_module_names and k != package}
+
+
+@cache
+def imported_by(path: Path) -> list[str]:
+    """Modules that a file imports."""
+    names: list[str] = []
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names += [name.name for name in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            names.append(node.module)
+    return names
+
+
+@cache
+def installed() -> Mapping[str, list[str]]:
+    """Packages that bring each module of this environment."""
+    return packages_distributions()
 
 
 @pytest.mark.parametrize("package", OURS)
@@ -161,7 +175,7 @@ def test_every_dependency_has_a_lower_bound(package: str) -> None:
 
 @pytest.mark.parametrize("package", PURE)
 def test_what_pure_code_imports_is_a_dependency_or_in_an_extra(package: str) -> None:
-    brings = packages_distributions()
+    brings = installed()
     for module, file in imported(package, pure=True).items():
         names = {canonicalize_name(name) for name in brings.get(module, [module])}
         assert names & wanted(package).keys() or module == "compression", f"{file}: {module}"
@@ -170,7 +184,7 @@ def test_what_pure_code_imports_is_a_dependency_or_in_an_extra(package: str) -> 
 @pytest.mark.parametrize("package", PURE)
 def test_nothing_is_asked_for_that_no_code_uses(package: str) -> None:
     """clarabel is cvxpy's solver, of plotly the script is taken, pyarrow is imported by a text, and some test."""
-    brings = packages_distributions()
+    brings = installed()
     used = {
         canonicalize_name(name)
         for module in imported(package, pure=True)
