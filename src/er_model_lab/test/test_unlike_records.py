@@ -14,7 +14,7 @@ from lab_help import DT, FORCE_NOISE, GUO, imposed
 
 import er_model_lab as lab
 
-N = 1600
+N = 1200
 
 
 def records(changed=lambda k, u, force: force, effect=None, seed=1, duty=True, began=False):
@@ -91,6 +91,14 @@ def test_one_direction_is_enough_where_the_other_was_driven_at_other_speeds():
     assert unlike([course("a", 0.05, 0.0), course("b", 0.08, 0.0)]) is None
     found = unlike([course("a", 0.05, 0.0), course("b", 0.08, 60.0)])
     assert (found.name, found.level) == ("b", pytest.approx(60.0, rel=1e-6))
+
+
+def test_a_model_is_not_complete_where_the_record_that_differs_only_scores():
+    made = records(lambda k, _, force: force + 100.0 * (k == 1))
+    data, model = Dataset.of([made[0], made[2]], [made[1]]), load_model(GUO)
+    result = lab.diagnose(data, model, seed=1)
+    assert (result.verdict, list(result.effects)) == ("insufficient_data", [])
+    assert "force of run1 is 100 N above" in " ".join(result.to_dict()["reasons"])
 
 
 def test_no_effect_is_named_or_added_for_it():

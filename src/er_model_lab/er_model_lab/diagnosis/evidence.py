@@ -15,11 +15,14 @@ from er_model_lab.diagnosis.passing import passes, threshold
 from er_model_lab.diagnosis.rule import Rule
 from er_model_lab.diagnosis.search import MOST_EFFECTS, Round
 from er_model_lab.diagnosis.verdict import Evidence, Verdict
+from er_model_lab.problem.problem import Problem
 from er_model_lab.residual.errors import explainable
 
 VISIBLE = 0.05
 """Share [1] of what is left, in mean square, that must lie above the floor, or that boosted trees must explain, before
 anything more is looked for or something unknown is claimed."""
+MUCH_MORE = 1.5
+"""Error of data that only score over that of the data learnt from, from which it is said, and unlike records count."""
 MUCH_LEFT = 2.0
 """Error over the noise floor from which several effects are no certain causes: they may stand for a form of one."""
 
@@ -65,6 +68,14 @@ def evidence(
         unlike_sensors=not added and _unlike_sensors(best, floor),
         unlike=cover.unlike,
     )
+
+
+def worse_unseen(best: Candidate, problem: Problem) -> bool:
+    """Whether the model leaves much more of the data that only score than of those it was made with."""
+    if not problem.held_out.any():
+        return False
+    left, there = (best.fit.mse(rows) for rows in (problem.train, problem.held_out))
+    return bool(there > MUCH_MORE**2 * left)
 
 
 def _unlike_sensors(best: Candidate, floor: Floor) -> bool:

@@ -12,7 +12,7 @@ from er_model_lab.diagnosis.candidates import Candidate, baseline, effect_size, 
 from er_model_lab.diagnosis.clock import clock_ties, second_clocks
 from er_model_lab.diagnosis.coverage import coverage
 from er_model_lab.diagnosis.determined import loose
-from er_model_lab.diagnosis.evidence import VISIBLE, evidence, reasons, shares
+from er_model_lab.diagnosis.evidence import VISIBLE, evidence, reasons, shares, worse_unseen
 from er_model_lab.diagnosis.floor_estimates import AGREE, credible
 from er_model_lab.diagnosis.found import Diagnosis
 from er_model_lab.diagnosis.noise_floor import Floor, bounded, noise_floor
@@ -170,7 +170,7 @@ def judge(
     beyond_fit = explainable(min(base.mse, base.fit.mse(problem.train)), floor.floor)
     unsure = loose(best, problem)
     seen = evidence(best, rounds[0], floor, beyond_fit, explained, ties, cover, unsure, rule)
-    seen = replace(seen, slow=second_clocks(best))
+    seen = replace(seen, slow=second_clocks(best), worse_unseen=worse_unseen(best, problem))
     verdict = decide(seen, rule)
     why = reasons(verdict, seen, base, best, rounds[0], floor, rule)
     if verdict in NOTHING_NAMED:

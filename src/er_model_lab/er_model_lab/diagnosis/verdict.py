@@ -44,6 +44,7 @@ class Evidence:
     part of what is left, but no more than the errors of the motion may cause; unlike_sensors: that more is left
     than the sensors' noise makes, and no rest or repeat says whether that is noise; unlike: how the force of two
     records differs at the same motion, or '': what all share explains no such thing, unless it explains all;
+    worse_unseen: that the model leaves much more of the data that only score than of those it was made with;
     with_lag: share explained where the velocity channel was found to lag, which the sensors show whatever the force
     does; earlier: searches of which this one is the last.
     """
@@ -58,6 +59,7 @@ class Evidence:
     within_errors: bool
     unlike_sensors: bool = False
     unlike: str = ""
+    worse_unseen: bool = False
     loose: tuple[str, ...] = ()
     slow: tuple[str, ...] = ()
     with_lag: float | None = None
@@ -67,7 +69,7 @@ class Evidence:
 def decide(seen: Evidence, rule: Rule = RULE) -> Verdict:
     """The verdict."""
     verdict = _on_effects(seen, rule) if seen.effects else _on_nothing(seen)
-    if seen.unlike and verdict not in ("adequate", "missing_effect"):
+    if seen.unlike and (seen.worse_unseen or verdict not in ("adequate", "missing_effect")):
         verdict = "insufficient_data"
     if seen.with_lag is not None:
         verdict = _on_lag(verdict, seen.with_lag, rule)

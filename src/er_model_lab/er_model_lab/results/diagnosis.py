@@ -8,7 +8,7 @@ import numpy as np
 from er_models.model import Model
 
 from er_model_lab.diagnosis.coverage import Coverage
-from er_model_lab.diagnosis.evidence import VISIBLE
+from er_model_lab.diagnosis.evidence import MUCH_MORE, VISIBLE
 from er_model_lab.diagnosis.floor_estimates import floors
 from er_model_lab.fitting.data_reach import Beyond, gap_note, held_out_beyond
 from er_model_lab.level.study import Study
@@ -21,8 +21,6 @@ from er_model_lab.results.values import estimates
 
 MOST_INPUTS, LEAST_WEIGHT = 5, 0.01
 """Inputs that the unexplained part is said to depend on, at most, and the share of it that each must carry [1]."""
-MUCH_MORE = 1.5
-"""Held-out error over that of the data learnt from, from which a note says so."""
 
 
 def diagnosis_json(study: Study, model_after: Model) -> dict[str, Any]:
