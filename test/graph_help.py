@@ -134,6 +134,11 @@ class Graph:
                 running.process.wait()
 
 
+def paced(pace: float) -> list[str]:
+    """What `up` is told where the world shall not keep to real time; pace: seconds of it in a second."""
+    return [] if pace == 1.0 else ["mode:=sim_time", f"rate_factor:={pace}"]
+
+
 def plant_arguments(*more: str) -> list[str]:
     """Command line of a plant with the rig's noise on the identification road."""
     files = ["--params-file", str(CONFIG / "nodes/plant.yaml")]

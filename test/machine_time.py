@@ -123,6 +123,10 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--calm", type=float, default=0.0, metavar="SECONDS",
         help="wait for a calm machine first, for so long at most",
     )  # fmt: skip
+    group.addoption(
+        "--pace", type=float, default=1.0, metavar="FACTOR",
+        help="pace of simulated worlds against real time, in tests of running graphs that can do with a slower one",
+    )  # fmt: skip
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -10,7 +10,7 @@ pytest.importorskip("rclpy")
 
 from er_records.load import load
 
-from test.graph_help import Graph, own_domain
+from test.graph_help import Graph, own_domain, paced
 
 pytestmark = pytest.mark.alone
 
@@ -18,12 +18,15 @@ CORNERS = ("front_left", "rear_right")
 TICKS = 400
 
 
-def test_each_corner_is_a_whole_graph_and_the_recording_holds_all(tmp_path: Path) -> None:
+def test_each_corner_is_a_whole_graph_and_the_recording_holds_all(
+    tmp_path: Path, pace: float
+) -> None:
     bag = tmp_path / "bag"
     with own_domain() as env, Graph(env, tmp_path) as graph:
         status, text = graph.run(
             "up", f"corners:={','.join(CORNERS)}", "namespace:=car", "composed:=true",
-            "observers:=unified", f"duration:={TICKS / 200}", "seed:=3", f"record:={bag}", seconds=120.0,
+            "observers:=unified", f"duration:={TICKS / 200}", "seed:=3", f"record:={bag}",
+            *paced(pace), seconds=120.0,
         )  # fmt: skip
     assert status == 0, text
     assert text.count(f"finished after {TICKS} ticks") == 2

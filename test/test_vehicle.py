@@ -1,7 +1,7 @@
 """A vehicle stack with one corner: its own names, its own sensors and amplifier; it loses a sensor. docs/vehicle.md.
 
 The stack is this test: it simulates the car, publishes under names of its own, applies the duty it is given, and
-keeps the last word on it.
+keeps the last word on it. Where it does not keep to real time it has a clock, as simulated vehicles do.
 """
 
 from __future__ import annotations
@@ -25,8 +25,10 @@ from er_plant_sim.build import build
 from er_plant_sim.duty_gate import Command
 from er_plant_sim.settings import PlantParameters
 from er_ros_common.builders import Tick
+from er_ros_common.clock import to_stamp
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
 
 from er_damper_msgs.msg import (
     DamperForce,
@@ -37,7 +39,7 @@ from er_damper_msgs.msg import (
 )
 from er_plant_sim import rig as plant
 from er_plant_sim import ros_msgs
-from test.graph_help import CONFIG, VEHICLE, Graph, own_domain
+from test.graph_help import CONFIG, VEHICLE, Graph, own_domain, paced
 
 pytestmark = pytest.mark.alone
 
@@ -60,7 +62,7 @@ LATCHED = QoSProfile(
 
 @dataclass
 class Heard:
-    """Messages with the time at which they came [s]."""
+    """Messages with the time of the car at which they came [s]."""
 
     commands: list[tuple[float, PwmDuty]] = field(default_factory=list)
     forces: list[tuple[float, DamperForce]] = field(default_factory=list)
@@ -71,8 +73,8 @@ class Heard:
 class Stack:
     """A car with an amplifier, as a vehicle stack sees it: nothing of ours but the messages."""
 
-    def __init__(self, node: Any) -> None:
-        self.node, self.heard = node, Heard()
+    def __init__(self, node: Any, pace: float) -> None:
+        self.node, self.heard, self.pace = node, Heard(), pace
         file = yaml.safe_load((CONFIG / "nodes/plant.yaml").read_text())
         given = file["/**"]["ros__parameters"] | {
             "model_file": VEHICLE, "program_file": str(CONFIG / "experiments/iso_steps.yaml"),
@@ -88,13 +90,14 @@ class Stack:
         self.acceleration = out("sensors/acceleration", SuspensionAcceleration)
         self.deflection = out("sensors/deflection", SuspensionDeflection)
         self.applied = out("pwm/applied", PwmDuty)
+        self.clock = None if pace == 1.0 else node.create_publisher(Clock, "/clock", RELIABLE)
         node.create_subscription(PwmDuty, NAMES["pwm/command"], self.on_command, NEWEST)
         for kind, name, kept, profile in (
             (DamperForce, f"/{CORNER}/force/unified", self.heard.forces, RELIABLE),
             (NodeStatus, f"/{CORNER}/skyhook_controller/status", self.heard.status, LATCHED),
         ):
             node.create_subscription(
-                kind, name, lambda m, k=kept: k.append((monotonic(), m)), profile
+                kind, name, lambda m, k=kept: k.append((self.now(), m)), profile
             )
         node.create_subscription(DiagnosticArray, "/diagnostics", self.on_diagnostics, RELIABLE)
         self.executor = SingleThreadedExecutor(context=node.context)
@@ -102,7 +105,7 @@ class Stack:
         self.began = monotonic_ns()
 
     def on_command(self, message: PwmDuty) -> None:
-        self.heard.commands.append((monotonic(), message))
+        self.heard.commands.append((self.now(), message))
         tick = self.state.sim.tick
         wish = Command(
             min(int(message.seq), tick) * self.rig.dt,
@@ -114,13 +117,17 @@ class Stack:
 
     def on_diagnostics(self, message: DiagnosticArray) -> None:
         mine = [each for each in message.status if each.name.startswith(f"{CORNER}/")]
-        self.heard.diagnostics += [(monotonic(), each) for each in mine]
+        self.heard.diagnostics += [(self.now(), each) for each in mine]
+
+    def now(self) -> float:
+        """Time of the car, which goes on while it waits [s]."""
+        return self.pace * monotonic()
 
     def run(self, seconds: float) -> None:
-        """Drive at 200 Hz in real time; ticks that the machine was too busy for come late, none is left out."""
-        end = monotonic() + seconds
-        while monotonic() < end:
-            due = self.began + self.state.sim.tick * PERIOD
+        """Drive at 200 Hz of its time; ticks that the machine was too busy for come late, none is left out."""
+        end = self.now() + seconds
+        while self.now() < end:
+            due = self.began + round(self.state.sim.tick * PERIOD / self.pace)
             while monotonic_ns() < due:
                 self.executor.spin_once(timeout_sec=max(1e-9 * (due - monotonic_ns()), 0.0))
             if monotonic_ns() - due > 10 * PERIOD:
@@ -129,7 +136,10 @@ class Stack:
 
     def tick(self) -> None:
         measured = plant.sense(self.rig, self.state)
-        tick = Tick(time_ns(), self.state.sim.tick)
+        seq = self.state.sim.tick
+        tick = Tick(time_ns() if self.clock is None else seq * PERIOD, seq)
+        if self.clock is not None:
+            self.clock.publish(Clock(clock=to_stamp(tick.stamp)))
         self.forces[tick.seq] = measured.force
         if not self.blind:
             self.acceleration.publish(ros_msgs.acceleration(tick, measured))
@@ -140,7 +150,7 @@ class Stack:
 
 
 @pytest.fixture
-def stack(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Stack, dict[str, str]]]:
+def stack(monkeypatch: pytest.MonkeyPatch, pace: float) -> Iterator[tuple[Stack, dict[str, str]]]:
     with own_domain() as env:
         for key in ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE"):
             monkeypatch.setitem(os.environ, key, env[key])
@@ -148,7 +158,7 @@ def stack(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Stack, dict[str, st
         context.init(args=[])
         node = rclpy.create_node("vehicle", context=context)
         try:
-            yield Stack(node), env
+            yield Stack(node, pace), env
         finally:
             node.destroy_node()
             context.try_shutdown()
@@ -175,6 +185,7 @@ def test_a_stack_integrates_one_corner(
             f"namespace:={CORNER}",
             "observers:=unified",
             f"remap:={remap}",
+            *paced(car.pace),
         )
         nominal = [0]
 
@@ -196,7 +207,7 @@ def test_a_stack_integrates_one_corner(
         errors = sorted(abs(m.force - car.forces[m.seq]) for m in good)
         assert errors[len(errors) // 2] < 0.6
         # the accelerometer is lost
-        car.blind, lost = True, monotonic()
+        car.blind, lost = True, car.now()
         car.run(2.5)
         after = [(t, m) for t, m in heard.commands if t > lost + 0.25]
         assert after
@@ -220,7 +231,7 @@ def test_a_stack_integrates_one_corner(
         assert any(NAMES["sensors/acceleration"] in words for words in rates), rates
         assert heard.status[-1][1].status == NodeStatus.STATUS_LOST
         # and comes back
-        car.blind, back = False, monotonic()
+        car.blind, back = False, car.now()
         car.run(1.5)
         resumed = [(t, m) for t, m in heard.commands if t > back + 0.25]
         assert sum(m.source == m.SOURCE_NOMINAL for _, m in resumed) > 0.9 * len(resumed) > 100
