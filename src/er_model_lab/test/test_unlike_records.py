@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from er_model_lab.motion.unlike_records import Course, unlike
+from er_model_lab.diagnosis.ranking import TRYING
+from er_model_lab.diagnosis.search import LEAVING_OUT
+from er_model_lab.motion.unlike_records import Course, difference, unlike
 from er_model_lab.preflight.between import between_findings
 from er_models.files import load_model
 from er_models.prediction import motion, predict
@@ -66,6 +68,18 @@ def test_another_level_is_said_with_its_size(shift):
     assert (finding.check, finding.level, finding.found) == ("records", "warning", str(found))
 
 
+def test_what_stays_of_a_difference_is_measured_where_it_was_found():
+    shifted = courses(records(lambda k, _, force: force + 100.0 * (k == 1)))
+    even, wider = courses(records()), courses(records(duty=False))
+    assert difference(unlike(shifted), shifted) == pytest.approx(100.0, rel=0.15)
+    assert difference(unlike(shifted), even) < 10.0
+    found = unlike(wider)
+    assert difference(found, [replace(c, force=0.5 * c.force) for c in wider]) == pytest.approx(
+        0.5 * difference(found, wider)
+    )
+    assert difference(found, wider) > 10.0 * difference(found, even)
+
+
 def test_missing_samples_and_records_that_lack_all_do_not_count():
     made = courses(records(lambda k, _, force: force + 100.0 * (k == 1)))
     missing = np.where(np.arange(N) // 40 == 2, np.nan, 0.0)
@@ -104,7 +118,11 @@ def test_a_model_is_not_complete_where_the_record_that_differs_only_scores():
 def test_no_effect_is_named_or_added_for_it():
     model = load_model(GUO)
     data = Dataset.of(records(lambda k, _, force: force + 100.0 * (k == 1)))
-    result = lab.improve(data, model, seed=1)
+    stages = set()
+    result = lab.improve(data, model, seed=1, progress=lambda stage, *_: stages.add(stage))
+    # no effect evens them out: none is looked for beside the first
+    assert TRYING in stages
+    assert LEAVING_OUT not in stages
     assert (result.verdict, list(result.effects)) == ("insufficient_data", [])
     assert "force of run1 is 100 N above" in result.to_dict()["coverage"]["unlike"]
     assert result.to_dict()["coverage"]["unlike"] in result.to_dict()["reasons"]

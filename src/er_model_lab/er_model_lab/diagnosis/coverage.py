@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from er_models.model import Array
 
 from er_model_lab.motion.repetition import FEW_CURVES, REMEDY, curves, one_curve
 from er_model_lab.motion.unlike_records import REMEDY as APART
-from er_model_lab.motion.unlike_records import Course, unlike
+from er_model_lab.motion.unlike_records import Course, difference, unlike
 from er_model_lab.motion.white_noise import white_noise
 from er_model_lab.problem.problem import Problem
 
@@ -17,6 +19,8 @@ STEP = 0.01
 """Change of the duty from one sample to the next that is a step."""
 Line = tuple[float, float]
 """Frequency of a spectral line, and the width that it is known to [Hz]."""
+EVEN = 0.25
+"""Share of a difference between records from which on it stays: the states in which they begin take up a part."""
 MOVED = 1.2
 """Ratio of a channel's deviation to its white noise above which something moved."""
 
@@ -89,17 +93,30 @@ def _unlike(problem: Problem) -> str:
     """How the force of two records of a damper differs at the same motion; '' where it does not."""
     if problem.forward.outputs > 1:
         return ""
-    m, rows = problem.motion, pairwise(problem.motion.starts.tolist())
-    force = (
-        np.where(problem.wild, np.nan, problem.force)
-        if problem.wild is not None
-        else problem.force
+    found = unlike(_courses(problem, problem.force))
+    return f"{found}; {APART}" if found else ""
+
+
+def stays_unlike(problem: Problem, residuals: Sequence[Array]) -> bool:
+    """Whether records of a damper differ at the same motion, and all of these residuals (n,) [N] still do."""
+    if problem.forward.outputs > 1:
+        return False
+    courses = _courses(problem, problem.force)
+    found = unlike(courses)
+    least = EVEN * difference(found, courses) if found else 0.0
+    return found is not None and all(
+        difference(found, _courses(problem, each)) > least for each in residuals
     )
-    found = unlike([
+
+
+def _courses(problem: Problem, force: Array) -> list[Course]:
+    """The records of a damper with a force (n,) [N], without wild samples."""
+    m, rows = problem.motion, pairwise(problem.motion.starts.tolist())
+    force = np.where(problem.wild, np.nan, force) if problem.wild is not None else force
+    return [
         Course(name, m.x[i:j], m.v[i:j], m.u[i:j], force[i:j])
         for name, (i, j) in zip(problem.names, rows, strict=True)
-    ])  # fmt: skip
-    return f"{found}; {APART}" if found else ""
+    ]
 
 
 def still(problem: Problem) -> bool:

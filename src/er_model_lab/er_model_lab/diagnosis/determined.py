@@ -45,6 +45,15 @@ def strange(candidate: Candidate) -> bool:
     )
 
 
+def at_end(candidate: Candidate) -> bool:
+    """Whether a value of the effect added last stands at a bound, so that the data do not say how large it is."""
+    fitted = candidate.fit
+    return any(
+        end and place[0] == candidate.name
+        for place, end in zip(fitted.free, fitted.at_bound, strict=True)
+    )
+
+
 def unseen(candidate: Candidate, problem: Problem) -> bool:
     """Whether the effect added last is a law of the duty, of which the data hold one value.
 

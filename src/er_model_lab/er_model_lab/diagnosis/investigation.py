@@ -10,8 +10,8 @@ from er_models.model import Model
 from er_model_lab.diagnosis import decisive_round
 from er_model_lab.diagnosis.candidates import Candidate, baseline, effect_size, refit
 from er_model_lab.diagnosis.clock import clock_ties, second_clocks
-from er_model_lab.diagnosis.coverage import coverage
-from er_model_lab.diagnosis.determined import loose
+from er_model_lab.diagnosis.coverage import coverage, stays_unlike
+from er_model_lab.diagnosis.determined import at_end, loose
 from er_model_lab.diagnosis.evidence import VISIBLE, evidence, reasons, shares, worse_unseen
 from er_model_lab.diagnosis.floor_estimates import AGREE, credible
 from er_model_lab.diagnosis.found import Diagnosis
@@ -69,6 +69,10 @@ def search_effects(
     base, rounds = begun.base, [begun]
     best = begun.taken or base
     floor = _floor(problem, rounds[0].candidates, _leader(rounds[0]), rounds[0].null, seed)
+    able = [base, *(c for c in begun.candidates if not at_end(c))]
+    if stays_unlike(problem, [c.fit.residual for c in able]):
+        # the verdict is that, whatever else is found
+        return judge(base, best, rounds, floor, problem, (), rule)
     try:
         best, floor, ties, further = _searched(best, rounds, floor, problem, seed, rule)
     except STOPPED:

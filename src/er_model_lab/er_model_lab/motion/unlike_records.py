@@ -72,16 +72,32 @@ def unlike(courses: Sequence[Course]) -> Unlike | None:
     courses = [whole for c in courses if (whole := _whole(c)).x.size]
     if len(courses) < 2:
         return None
-    places = [np.column_stack([c.x, np.abs(c.v), c.u]) for c in courses]
-    low = np.min([p.min(axis=0) for p in places], axis=0)
-    size = (np.max([p.max(axis=0) for p in places], axis=0) - low) / CELLS
-    size[size <= 0.0] = 1.0
-    seen = [_seen(c, (p - low) / size) for c, p in zip(courses, places, strict=True)]
+    seen = _by_cells(courses)
     known = [int(np.isfinite(s.force).sum()) for s in seen]
     found = list[Unlike]()
     for k in np.argsort(known, kind="stable")[::-1][:REFERENCES]:
         found += [u for j, other in enumerate(seen) if j != k and (u := _compared(seen[k], other))]
     return max(found, key=lambda each: each.size, default=None)
+
+
+def difference(found: Unlike, courses: Sequence[Course]) -> float:
+    """How much the same two records differ [N] in levels or widths, as they were found to, where they feel this."""
+    one, other = _by_cells([
+        _whole(next(c for c in courses if c.name == name)) for name in (found.name, found.other)
+    ])  # fmt: skip
+    usual = [float(np.median(d)) for d in _apart(one, other) if d.size >= COMMON]
+    if not usual:
+        return 0.0
+    return abs(sum(usual) / len(usual) if found.level else 0.5 * (usual[-1] - usual[0]))
+
+
+def _by_cells(courses: Sequence[Course]) -> list[_Seen]:
+    """Records by the same cells."""
+    places = [np.column_stack([c.x, np.abs(c.v), c.u]) for c in courses]
+    low = np.min([p.min(axis=0) for p in places], axis=0)
+    size = (np.max([p.max(axis=0) for p in places], axis=0) - low) / CELLS
+    size[size <= 0.0] = 1.0
+    return [_seen(c, (p - low) / size) for c, p in zip(courses, places, strict=True)]
 
 
 def _whole(course: Course) -> Course:
@@ -121,19 +137,17 @@ def _seen(course: Course, place: Array) -> _Seen:
 
 def _compared(one: _Seen, other: _Seen) -> Unlike | None:
     """How two records differ in the cells that they share; None where they do not."""
-    shared = np.abs(one.place - other.place).max(axis=2) <= NEAR  # nan is not
-    sides = [k for k in (0, 1) if shared[:, k].sum() >= COMMON]
+    apart = [d for d in _apart(one, other) if d.size >= COMMON]
     width = 0.5 * (one.width + other.width)
-    if not sides or not width > 0.0:
+    if not apart or not width > 0.0:
         return None
-    apart = [(one.force - other.force)[shared[:, k], k] for k in sides]
     usual = [float(np.median(d)) for d in apart]
     level = sum(usual) / len(usual)
     clear = all(np.mean(d * level > 0.0) >= MOST for d in apart)
-    if clear and abs(level) >= LEVEL * width * (1.0 if len(sides) == 2 else WIDER - 1.0):
+    if clear and abs(level) >= LEVEL * width * (1.0 if len(apart) == 2 else WIDER - 1.0):
         high, low = (one, other) if level > 0.0 else (other, one)
         return Unlike(high.name, low.name, level=abs(level))
-    if len(sides) < 2:
+    if len(apart) < 2:
         return None
     down, up = apart
     wide, narrow = (one, other) if usual[1] > usual[0] else (other, one)
@@ -141,3 +155,9 @@ def _compared(one: _Seen, other: _Seen) -> Unlike | None:
     if both and usual[0] * usual[1] < 0.0 and wide.width >= WIDER * narrow.width > 0.0:
         return Unlike(wide.name, narrow.name, wider=wide.width / narrow.width)
     return None
+
+
+def _apart(one: _Seen, other: _Seen) -> list[Array]:
+    """Difference of the forces [N] in the cells that two records share, in compression and in extension."""
+    shared = np.abs(one.place - other.place).max(axis=2) <= NEAR  # nan is not
+    return [(one.force - other.force)[shared[:, k], k] for k in (0, 1)]
